@@ -2,7 +2,8 @@
 # Makes changes.png of FOLDER: what `hbil process` makes of sequences in which things
 # move and lights change, beside what a path tracer has.  Each sequence is a folder
 # of frame_NNNN.exr, with truth_avg_NNNN.exr beside them, whose layer DiffInd is
-# right.  Needs oiiotool (openimageio-tools) and a font (fonts-dejavu-core).
+# right.  In each of them the first row is hbil's, the second one the path tracer's,
+# and the third one the difference, about grey.  Needs oiiotool (openimageio-tools) and a font (fonts-dejavu-core).
 #
 #   changes.sh ./hbil FOLDER SEQUENCE,GAIN,TEXT...
 #
@@ -12,11 +13,11 @@ hbil=$1 folder=$2
 shift 2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-columns='01 05 06 07 08 12'
-size=128x72
+columns='01 06 08 12'
+size=96x54
 
 text() {
-  oiiotool --create 768x20 3 --fill:color=1,1,1 768x20 \
+  oiiotool --create 384x20 3 --fill:color=1,1,1 384x20 \
     --text:x=4:y=15:size=13:color=0,0,0:font=DejaVuSans.ttf "$1" -o "$2"
 }
 
@@ -45,10 +46,10 @@ for one in "$@"; do
   # shellcheck disable=SC2046
   oiiotool $(for row in a b c; do
     for column in $columns; do echo "$work/$number.$column.$row.png"; done
-  done) --mosaic 6x3 -o "$work/$number.rows.png"
-  oiiotool "$work/$number.text.png" --create 768x236 3 --paste +0+0 \
+  done) --mosaic 4x3 -o "$work/$number.rows.png"
+  oiiotool "$work/$number.text.png" --create 384x209 3 --paste +0+0 \
     "$work/$number.rows.png" --swap --paste +0+20 -o "$work/$number.png"
   rows="$rows $work/$number.png"
 done
 # shellcheck disable=SC2086
-oiiotool $rows --mosaic "1x$number" -o "$folder/changes.png"
+oiiotool $rows --mosaic:pad=4 "2x$(((number + 1) / 2))" -o "$folder/changes.png"

@@ -12,6 +12,7 @@
  */
 #include "lib/bounds.clh"
 #include "lib/depth.clh"
+#include "lib/fallen_light.clh"
 #include "lib/flags.clh"
 #include "lib/interleave.clh"
 #include "lib/layers.clh"
@@ -21,6 +22,7 @@
 
 FLAG(FEEDBACK_RADIANCE)
 FLAG(GATHER_EMISSION)
+FLAG(PROBES)
 FLAG(SKIP_UNUSED)
 
 /* --- normals -------------------------------------------------------------- */
@@ -88,6 +90,9 @@ typedef struct inputs {
   surface_inputs surface;
   global const void *depth, *normal; /* relight: no normal */
   global const float *history, *weight;
+  /* what the light of the last frame has fallen to; null: it hasn't */
+  hbil_fall_args fall;
+  global const float *ratios;
 } inputs;
 
 /* Diffuse reflectance over pi of channel c, (1-F0) albedo/pi.  usable: of each
@@ -101,6 +106,14 @@ INLINE realv reflectance_of(const hbil_split_args args, const inputs *in, int c,
                          usable + HBIL_SURFACE_F0);
 }
 
+/* Planar depth of pixels from (x, y) on; the sky's is 0. */
+INLINE realv depth_of(const hbil_split_args args, const inputs *in, int x,
+                      int y, int count) {
+  return planar_depth(
+      stored_depth(in->depth, args.depth, args.decode, x, y, count),
+      ray_x(args.view, x, 1), ray_y(args.view, y), args.decode);
+}
+
 #if GATHER_RADIANCE
 /* Radiance that pixels from (x, y) on send.  Pixels of the sky get any value.
  */
@@ -111,9 +124,15 @@ INLINE void radiance_of(const hbil_split_args args, const inputs *in, int x,
   if (in->history) {
     READ_AHEAD(in->history + here);
     load_radiance(in->history + here, args.planes.plane, carried);
+    realv share = args.exposure;
+#if PROBES
+    if (in->ratios)
+      share *= fallen_light(in->fall, in->ratios, args.view, x, y,
+                            depth_of(args, in, x, y, count));
+#endif
 #pragma unroll
     for (int c = 0; c < 3; ++c)
-      carried[c] *= args.exposure;
+      carried[c] *= share;
   }
 #pragma unroll
   for (int c = 0; c < 3; ++c) {
@@ -189,7 +208,8 @@ INLINE void count_sanitized(const hbil_split_args args, const inputs *in,
 
 /* --- the kernels ---------------------------------------------------------- */
 
-kernel void split(const hbil_split_args args, global float *layers,
+kernel void split(const hbil_split_args args, const hbil_fall_args fall,
+                  global const float *ratios, global float *layers,
                   global const float *carried, global const void *depth,
                   global const void *normal, global const void *albedo,
                   global const void *f0, global const void *direct,
@@ -205,7 +225,9 @@ kernel void split(const hbil_split_args args, global float *layers,
       depth,
       normal,
       args.has_history ? carried + HBIL_CARRIED_RED * args.planes.plane : 0,
-      carried + CARRIED_WEIGHT * args.planes.plane};
+      carried + CARRIED_WEIGHT * args.planes.plane,
+      fall,
+      PROBES && light_falls(fall, ratios) ? ratios : 0};
   intv used = 0, unusable = 0;
   uint away = 0u;
   realv value[SPLIT_PLANES][4];
@@ -287,7 +309,8 @@ kernel void split(const hbil_split_args args, global float *layers,
  * `history` has this view.  Raises HBIL_FLAG_CHANGED, which the host has
  * cleared, if anything differs from the layers.
  */
-kernel void relight(const hbil_split_args args, global float *layers,
+kernel void relight(const hbil_split_args args, const hbil_fall_args fall,
+                    global const float *ratios, global float *layers,
                     global const float *history, global const void *depth,
                     global const void *albedo, global const void *f0,
                     global const void *direct, global const void *emission,
@@ -304,15 +327,14 @@ kernel void relight(const hbil_split_args args, global float *layers,
       depth,
       0,
       args.has_history ? history + HBIL_HISTORY_RED * args.planes.plane : 0,
-      history + HBIL_HISTORY_W * args.planes.plane};
+      history + HBIL_HISTORY_W * args.planes.plane,
+      fall,
+      PROBES && light_falls(fall, ratios) ? ratios : 0};
   realv value[RADIANCE_PLANES][4], w[4];
 #pragma unroll 1
   for (int part = 0; part < 4; ++part) {
     const int x = x0 + part * HBIL_WIDTH;
-    const intv solid =
-        planar_depth(
-            stored_depth(depth, args.depth, args.decode, x, y, view.width - x),
-            ray_x(view, x, 1), ray_y(view, y), args.decode) > 0.0f;
+    const intv solid = depth_of(args, &in, x, y, view.width - x) > 0.0f;
     /* split has counted what isn't usable */
     intv usable[HBIL_SURFACE_INPUTS] = {0};
     collect_radiance(args, &in, x, y, solid, usable, value, part);

@@ -23,11 +23,6 @@
  * changed by without signs, and the number of voxels. */
 typedef float4 change_sums;
 
-/* The region, along one axis, of a cell of the coarsest level. */
-INLINE int region_along(const hbil_cache_args c, int cell) {
-  return (cell + c.voxels / 2) * HBIL_CACHE_REGIONS_ACROSS >> c.log2_voxels;
-}
-
 /* The region of a voxel. */
 INLINE int region_of(const hbil_cache_args c, uint number) {
   const int mask = c.voxels - 1, k = c.log2_voxels;

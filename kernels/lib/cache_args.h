@@ -192,6 +192,15 @@ typedef struct hbil_cache_move_args {
 } hbil_cache_move_args;
 HBIL_ASSERT_LAYOUT(hbil_cache_move_args, moved, 6, 9)
 
+/* split.cl: light that the last frame hands on falls as the cache's views say
+ * (cache/change.cl). */
+typedef struct hbil_fall_args {
+  hbil_transform_args to_cache; /* from view space */
+  hbil_cache_args cache;
+  hbil_int changed; /* views have been injected since the last frame */
+} hbil_fall_args;
+HBIL_ASSERT_LAYOUT(hbil_fall_args, changed, 18, 19)
+
 /* The weight of light that is forgotten wholly: nothing beside a view's 1. */
 #define HBIL_LEAST_LIGHT_WEIGHT 0x1p-20f
 

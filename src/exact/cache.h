@@ -99,6 +99,10 @@ void exact_cache_inject(exact_cache *cache, const exact_cache_view *view,
 /* Voxels that no view has seen since the last update are dimmed as those that
  * were (cache_change.c). */
 void exact_cache_follow_change(exact_cache *cache);
+/* By what factor light at a place in cache space has fallen, of those of the
+ * regions. */
+double exact_cache_fallen(const exact_cache *cache,
+                          const float ratios[HBIL_CACHE_REGIONS], vec3 at);
 
 /* What the caller knows to have changed is forgotten (cache_change.c). */
 void exact_cache_forget(exact_cache *cache, const hbil_cache_change *change);

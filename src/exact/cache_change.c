@@ -10,16 +10,29 @@ typedef struct change_sums {
   double now, before, apart, voxels;
 } change_sums;
 
-static int region_of(const exact_cache *cache, const exact_place *place) {
-  const int up = cache->levels - 1 - place->level;
+/* The region of a place in cache space, or the nearest one. */
+static int region_at(const exact_cache *cache, const double at[3]) {
+  const double end = cache->voxels / 2;
   int region = 0;
   for (int axis = 2; axis >= 0; --axis) {
-    const int cell = (int)floor(ldexp((double)place->cell[axis], -up));
-    region =
-        region * HBIL_CACHE_REGIONS_ACROSS +
-        (cell + cache->voxels / 2) * HBIL_CACHE_REGIONS_ACROSS / cache->voxels;
+    const double cell = floor(ldexp(at[axis], 1 - cache->levels));
+    region = region * HBIL_CACHE_REGIONS_ACROSS +
+             (int)(fmin(fmax(cell, -end), end - 1.0) + end) *
+                 HBIL_CACHE_REGIONS_ACROSS / cache->voxels;
   }
   return region;
+}
+
+static int region_of(const exact_cache *cache, const exact_place *place) {
+  double corner[3];
+  for (int axis = 0; axis < 3; ++axis)
+    corner[axis] = ldexp((double)place->cell[axis], place->level);
+  return region_at(cache, corner);
+}
+
+double exact_cache_fallen(const exact_cache *cache,
+                          const float ratios[HBIL_CACHE_REGIONS], vec3 at) {
+  return (double)ratios[region_at(cache, (double[3]){at.x, at.y, at.z})];
 }
 
 static void add_voxel(const exact_voxel *voxel, change_sums *sums) {

@@ -150,6 +150,7 @@ struct hbil_cache {
   cl_uint updates;    /* with bounces so far, which choose the voxels */
   bool settled;       /* voxels are as they were after the last update */
   bool has_hits;      /* of all surfaces; the cache hasn't moved since */
+  cl_uint changes;    /* times that factors of regions were found */
   cl_uint turns_left; /* updates until all hits are of what voxels are now */
   int hits;           /* which of the two buffers has them */
   cl_uint rounds;     /* of bounces so far */

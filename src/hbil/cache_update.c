@@ -77,6 +77,7 @@ static hbil_status follow_change(commands *chain, hbil_cache *cache) {
   const argument ratio[] = {ARG(changes), ARG(ratios)};
   const argument follow[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                              ARG(ratios), ARG(cache->buffers[CACHE_VOXELS])};
+  ++cache->changes;
   hbil_status status =
       LAUNCH(chain, CACHE_KERNEL_CHANGE_PART, part, HBIL_CACHE_PARTS, 1, 1);
   if (status == HBIL_SUCCESS)

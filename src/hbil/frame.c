@@ -100,6 +100,13 @@ static hbil_status check_arguments(hbil_plan *plan, const char *function,
   return check_wait_list(plan->context, function, wait_count, wait_list);
 }
 
+/* What the cache makes of the light that this frame hands on hangs on what
+ * happens to it from now on (split.c). */
+static void remember_cache(hbil_plan *plan, const hbil_cache *cache) {
+  plan->last_cache = cache;
+  plan->last_cache_changes = cache ? cache->changes : 0;
+}
+
 typedef struct pass_range {
   hbil_pass first, last;
 } pass_range;
@@ -134,8 +141,10 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
     status = enqueue_passes(plan, &chain, &frame, range.first, range.last);
   if (status != HBIL_SUCCESS)
     plan->has_last = false; /* buffers may hold parts of a failed frame */
-  else if (range.last == HBIL_PASS_COMPOSITE)
+  else if (range.last == HBIL_PASS_COMPOSITE) {
     remember_frame(plan, &frame);
+    remember_cache(plan, frame.cache);
+  }
   if (status == HBIL_SUCCESS)
     status = finish_commands(&chain, event);
   end_commands(&chain);

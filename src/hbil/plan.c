@@ -93,6 +93,7 @@ void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
     plan->history = next_history(plan) - BUFFER_HISTORY;
     plan->history_camera = frame->camera;
     plan->followed = NULL;
+    plan->adopted = false;
   }
   alternate(&plan->slices, frame, !plan->searched_all);
   alternate(&plan->probes, frame, frame->cache && carries_over(plan));
@@ -139,6 +140,7 @@ hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last) {
     plan->bounces = last->bounces;
     plan->history_camera = last->history_camera;
     plan->followed = last;
+    plan->adopted = last->adopted;
   }
   return HBIL_SUCCESS;
 }
@@ -179,6 +181,7 @@ hbil_status hbil_plan_adopt_history(hbil_plan *plan,
   plan->has_history = plan->layout.history && last->bounces > 0;
   plan->bounces = last->bounces < MOST_BOUNCES ? last->bounces : MOST_BOUNCES;
   plan->history_camera = plan->last_camera = last->camera;
+  plan->adopted = true;
   adopt(&plan->slices, &last->camera,
         last->has_slices && plan->layout.slice_frames > 1);
   adopt(&plan->probes, &last->camera,

@@ -1,6 +1,7 @@
 /* split: the G-buffer in layers, and bounds of what is in them. */
 #include "passes.h"
 
+#include "cache.h"
 #include "camera.h"
 #include "checks.h"
 #include "planes.h"
@@ -99,6 +100,33 @@ static hbil_split_args split_args(const hbil_plan *plan,
   return args;
 }
 
+/* By what the light of the last frame has fallen, as the cache knows it. */
+static hbil_fall_args fall_args(const hbil_plan *plan,
+                                const hbil_frame *frame) {
+  const hbil_cache *cache = frame->cache;
+  const hbil_plan *last = plan->followed ? plan->followed : plan;
+  hbil_fall_args args = {.changed = CL_FALSE};
+  double centre[3];
+  if (!cache)
+    return args;
+  cache_centre(cache, centre);
+  args.cache = cache_args(cache);
+  args.to_cache =
+      camera_to_cache(&frame->camera, centre, cache_scale(cache), 1.0);
+  /* A job that goes on adopts its light and has made one update since, as a job
+   * that was never interrupted has. */
+  args.changed =
+      plan->has_history &&
+      (plan->adopted ? cache->changes > 0
+                     : last->last_cache == cache &&
+                           last->last_cache_changes != cache->changes);
+  return args;
+}
+
+static cl_mem ratios_of(const hbil_frame *frame) {
+  return frame->cache ? frame->cache->buffers[CACHE_RATIOS] : NULL;
+}
+
 /* Static frames: nothing but light is new. */
 static hbil_status relight(hbil_plan *plan, commands *chain,
                            const hbil_frame *frame) {
@@ -107,7 +135,11 @@ static hbil_status relight(hbil_plan *plan, commands *chain,
   args.steady =
       may_rest(plan, frame) && plan->static_frames == HBIL_EXACT_STATIC_FRAMES;
   plan->static_frames += plan->static_frames < HBIL_EXACT_STATIC_FRAMES;
+  const hbil_fall_args fall = fall_args(plan, frame);
+  const cl_mem ratios = ratios_of(frame);
   const argument list[] = {ARG(args),
+                           ARG(fall),
+                           ARG(ratios),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_HISTORY + plan->history),
                            ARG(in.depth),
@@ -133,7 +165,11 @@ hbil_status enqueue_split(hbil_plan *plan, commands *chain,
   plan->static_frames = 0;
   hbil_split_args args = split_args(plan, frame);
   const inputs in = bind_inputs(plan, frame, &args);
+  const hbil_fall_args fall = fall_args(plan, frame);
+  const cl_mem ratios = ratios_of(frame);
   const argument list[] = {ARG(args),
+                           ARG(fall),
+                           ARG(ratios),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_CARRIED),
                            ARG(in.depth),

@@ -156,7 +156,8 @@ static const struct {
                           [CACHE_RADIANCE] = {"update_radiance", 3},
                           [CACHE_UNLIT] = {"mean_part", 3},
                           [CACHE_MEANS] = {"mean_sum", 0},
-                          [CACHE_TEXELS] = {"read_view", 1}};
+                          [CACHE_TEXELS] = {"read_view", 1},
+                          [CACHE_RATIOS] = {"change_ratio", 1}};
 
 cl_mem cache_memory(cache_buffer which) {
   cl_mem buffer;

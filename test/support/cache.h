@@ -21,6 +21,7 @@ typedef enum cache_buffer {
   CACHE_UNLIT,
   CACHE_MEANS,
   CACHE_TEXELS,
+  CACHE_RATIOS,
   CACHE_BUFFERS
 } cache_buffer;
 

@@ -7,7 +7,9 @@
 #include "test/support/shim.h"
 #include "test/support/stages.h"
 
+#include "exact/camera.h"
 #include "exact/far_field.h"
+#include "exact/input.h"
 
 /* ------------------------------------------------------------------------ */
 /* Probes and their filter                                                   */
@@ -192,6 +194,134 @@ static void probes_are_followed(void **state) {
     check_following(i & 1 ? HBIL_PROJECTION_ORTHOGRAPHIC
                           : HBIL_PROJECTION_PERSPECTIVE,
                     i & 2);
+}
+
+/* ------------------------------------------------------------------------ */
+/* The light that the last frame hands on                                    */
+
+/* An update after which the regions of the cache have these factors. */
+static void fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]) {
+  hbil_cache_update none;
+  hbil_cache_update_init(&none);
+  none.bounces = 0;
+  cache_touch(&l->f);
+  cache_update(&l->f, &none);
+  buffer_write(&shared_device, cache_memory(CACHE_RATIOS), 0,
+               HBIL_CACHE_REGIONS * sizeof *ratios, ratios);
+}
+
+/* Multiplies handed-on light by what it has fallen to.  Pixels so near to a
+ * region's border that a rounding decides are left out: their weight is -1. */
+static void dim(const lit_frame *l, const float ratios[HBIL_CACHE_REGIONS],
+                int red, exact_planes *light) {
+  const double *m = l->s.job.camera.world_from_view;
+  for (int y = 0; y < LIT_HEIGHT; ++y)
+    for (int x = 0; x < LIT_WIDTH; ++x) {
+      const vec3 p =
+          exact_point(&l->s.job, x, y, exact_planar_depth(&l->s.job, x, y));
+      const vec3 at = exact_cache_from_world(
+          &l->cache, vec_add(exact_to_world(&l->s.job.camera, p), 1.0,
+                             vec(m[3], m[7], m[11])));
+      const double ratio = exact_cache_fallen(&l->cache, ratios, at);
+      bool near = false;
+      for (int i = 0; i < 6; ++i) {
+        const double off = i & 1 ? 1e-3 : -1e-3;
+        const vec3 beside =
+            vec(at.x + (i / 2 == 0) * off, at.y + (i / 2 == 1) * off,
+                at.z + (i / 2 == 2) * off);
+        near |= exact_cache_fallen(&l->cache, ratios, beside) != ratio;
+      }
+      for (int c = 0; c < 3; ++c)
+        *exact_at(light, red + c, x, y) *= near ? NAN : ratio;
+    }
+}
+
+/* fallen: the factors that this frame finds; NULL: light has not fallen. */
+static void check_handed_on(lit_frame *l, const float *fallen) {
+  const bool is_static = l->s.frame.static_frame;
+  exact_planes light =
+      stage_read(&l->s, is_static ? HBIL_STAGE_HISTORY : HBIL_STAGE_CARRIED);
+  exact_planes carried, want;
+  int compared = 0, lit = 0;
+  double worst = 0.0, largest = 0.0;
+  assert_int_equal(
+      exact_planes_create(&carried, LIT_WIDTH, LIT_HEIGHT, HBIL_CARRIED_PLANES),
+      EXACT_SUCCESS);
+  assert_int_equal(
+      exact_planes_create(&want, LIT_WIDTH, LIT_HEIGHT, HBIL_SPLIT_PLANES),
+      EXACT_SUCCESS);
+  for (int y = 0; y < LIT_HEIGHT; ++y)
+    for (int x = 0; x < LIT_WIDTH; ++x) {
+      for (int c = 0; c < 3; ++c)
+        *exact_at(&carried, HBIL_CARRIED_RED + c, x, y) = *exact_at(
+            &light, (is_static ? HBIL_HISTORY_RED : HBIL_CARRIED_RED) + c, x,
+            y);
+      *exact_at(&carried, HBIL_CARRIED_WEIGHT, x, y) = 1.0;
+    }
+  if (fallen)
+    dim(l, fallen, HBIL_CARRIED_RED, &carried);
+  exact_split(&l->s.job, &carried, &want);
+  setup_run(&l->s, enqueue_split);
+  exact_planes got = stage_read(&l->s, HBIL_STAGE_SPLIT);
+  for (int y = 0; y < LIT_HEIGHT; ++y)
+    for (int x = 0; x < LIT_WIDTH; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const double w = *exact_at(&want, HBIL_SPLIT_RED + c, x, y);
+        if (isnan(w) || exact_is_sky(&l->s.job, x, y))
+          continue;
+        largest = fmax(largest, w);
+        worst =
+            fmax(worst, fabs(*exact_at(&got, HBIL_SPLIT_RED + c, x, y) - w));
+        lit += *exact_at(&light, c + (is_static ? 1 : 0), x, y) > 0.01;
+        ++compared;
+      }
+  assert_true(compared > LIT_WIDTH * LIT_HEIGHT && lit > compared / 4);
+  check_at_most("handed on", worst / largest, 2e-6); /* as split's radiance */
+  exact_planes_free(&light);
+  exact_planes_free(&carried);
+  exact_planes_free(&want);
+  exact_planes_free(&got);
+}
+
+static void check_falling(cl_uint width, hbil_projection projection,
+                          bool is_static) {
+  float ratios[HBIL_CACHE_REGIONS];
+  random_state r = {9};
+  lit_frame l;
+  for (int i = 0; i < HBIL_CACHE_REGIONS; ++i)
+    ratios[i] = (float)(0.1 + 0.9 * random_unit(&r));
+  lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, width, SCENE_ROOM, projection,
+              HBIL_FAR_FRAME);
+  l.s.config.sampling.storage = HBIL_STORAGE_FLOAT32;
+  setup_start(&l.s);
+  setup_run(&l.s, hbil_enqueue_frame);
+  l.s.frame.static_frame = is_static;
+  for (int i = 0; i < 3; ++i) {
+    /* a frame behind an update; one behind none; one behind an update for
+     * which nothing has fallen */
+    static float ones[HBIL_CACHE_REGIONS];
+    for (int k = 0; k < HBIL_CACHE_REGIONS; ++k)
+      ones[k] = 1.0f;
+    if (i != 1)
+      fall(&l, i ? ones : ratios);
+    setup_run(&l.s, enqueue_reproject);
+    setup_run(&l.s, enqueue_push_pull);
+    check_handed_on(&l, i ? NULL : ratios);
+    setup_run(&l.s, enqueue_gather);
+    setup_run(&l.s, enqueue_recompose);
+    setup_run(&l.s, enqueue_composite);
+  }
+  lit_free(&l);
+}
+
+static void handed_on_light_falls(void **state) {
+  static const cl_uint widths[] = {1, 4, 8, 16};
+  (void)state;
+  for (int i = 0; i < 4; ++i)
+    check_falling(widths[i],
+                  i == 2 ? HBIL_PROJECTION_ORTHOGRAPHIC
+                         : HBIL_PROJECTION_PERSPECTIVE,
+                  i == 3);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -394,7 +524,9 @@ static void an_even_known_field_sends_pi_ao_l(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(probes_match), cmocka_unit_test(probes_are_followed),
+      cmocka_unit_test(probes_match),
+      cmocka_unit_test(probes_are_followed),
+      cmocka_unit_test(handed_on_light_falls),
       cmocka_unit_test(light_of_probes_matches),
       cmocka_unit_test(the_mean_direction_is_that_of_a_cone),
       cmocka_unit_test(an_even_known_field_sends_pi_ao_l)};
