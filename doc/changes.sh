@@ -3,7 +3,8 @@
 # move and lights change, beside what a path tracer has.  Each sequence is a folder
 # of frame_NNNN.exr, with truth_avg_NNNN.exr beside them, whose layer DiffInd is
 # right.  In each of them the first row is hbil's, the second one the path tracer's,
-# and the third one the difference, about grey.  Needs oiiotool (openimageio-tools) and a font (fonts-dejavu-core).
+# and the third one the difference, about grey.  Needs oiiotool (openimageio-tools)
+# and a font (fonts-dejavu-core).
 #
 #   changes.sh ./hbil FOLDER SEQUENCE,GAIN,TEXT...
 #
