@@ -1,14 +1,14 @@
 #!/bin/sh
 # Makes changes.png of FOLDER: what `hbil process` makes of sequences in which things
 # move and lights change, beside what a path tracer has.  Each sequence is a folder
-# of frame_NNNN.exr, with truth_avg_NNNN.exr beside them, whose layer DiffInd is
-# right.  In each of them the first row is hbil's, the second one the path tracer's,
-# and the third one the difference, about grey.  Needs oiiotool (openimageio-tools)
-# and a font (fonts-dejavu-core).
+# of frame_NNNN.exr, with truth_avg_NNNN.exr beside them, whose layer
+# ViewLayer.DiffInd is the reference.  In each of them the first row is hbil's, the
+# second one the path tracer's, and the third one the difference, about grey.  Needs
+# oiiotool (openimageio-tools) and a font (fonts-dejavu-core).
 #
 #   changes.sh ./hbil FOLDER SEQUENCE,GAIN,TEXT...
 #
-# GAIN is the exposure of its pictures.
+# GAIN multiplies the light in its pictures.
 set -eu
 hbil=$1 folder=$2
 shift 2
@@ -48,9 +48,9 @@ for one in "$@"; do
   oiiotool $(for row in a b c; do
     for column in $columns; do echo "$work/$number.$column.$row.png"; done
   done) --mosaic 4x3 -o "$work/$number.rows.png"
-  oiiotool "$work/$number.text.png" --create 384x209 3 --paste +0+0 \
+  oiiotool "$work/$number.text.png" --create 384x182 3 --paste +0+0 \
     "$work/$number.rows.png" --swap --paste +0+20 -o "$work/$number.png"
   rows="$rows $work/$number.png"
 done
 # shellcheck disable=SC2086
-oiiotool $rows --mosaic:pad=4 "2x$(((number + 1) / 2))" -o "$folder/changes.png"
+oiiotool $rows --mosaic:pad=2 "2x$(((number + 1) / 2))" -o "$folder/changes.png"

@@ -46,6 +46,8 @@ extern "C" {
  *   What the cache's light adds to a frame is a mean over four frames, which
  *   follows the surfaces by the cameras and begins anew where it has changed by
  *   a third.  Nothing is averaged with HBIL_REPROJECTION_NONE.
+ *   Where the last update has found that a region has less light, the light
+ *   that the last frame hands on falls by the same factor there.
  *
  * ORDER
  *   Commands of a cache run in the order of the calls, like those of a plan,
@@ -88,9 +90,9 @@ typedef struct hbil_cache_config {
   /* CL_TRUE (default): emission of views with direct light is sent, too; as
    * hbil_model.gather_emission. */
   cl_bool gather_emission;
-  /* In bounces between surfaces: radiance of what no view has seen, over that
-   * of what a surface's other rays meet; 0..1; default 0.8 (doc/method.md,
-   * section 13; doc/measurements.md). */
+  /* In bounces between surfaces, what no view has seen sends this many times
+   * the radiance that a surface's other rays meet on average; 0..1; default 0.8
+   * (doc/method.md, section 13; doc/measurements.md). */
   float unseen_light;
   /* How plans find its light; default HBIL_CACHE_METHOD_RAYS.  The others need
    * memory and time of their own in every update. */

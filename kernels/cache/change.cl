@@ -11,7 +11,8 @@
  * change_part: sums over parts of the coarsest level, for each region.
  * change_region: the sums of each region.
  * change_ratio: what each region makes of all, the near ones first.
- * follow_change: dims what has not been seen, and forgets who was seen.
+ * follow_change: dims what has not been seen, and the means that the newest
+ * view of what has been seen joined; forgets who was seen.
  *
  * Launch: change_part: x = HBIL_CACHE_PARTS; change_region, change_ratio: x =
  * HBIL_CACHE_REGIONS; follow_change: x = words of a row of voxels, y = rows, z
@@ -107,15 +108,20 @@ kernel void follow_change(const hbil_cache_args cache,
   for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
     const uint number = first_surface(word, left);
     global float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;
-    const bool was_seen = voxel[HBIL_VOXEL_CHANGE] != 0.0f;
-    const float ratio = was_seen ? 1.0f : ratios[region_of(cache, number)];
-    if (was_seen)
+    const float change = voxel[HBIL_VOXEL_CHANGE];
+    const float ratio = ratios[region_of(cache, number)];
+    if (change != 0.0f)
       voxel[HBIL_VOXEL_CHANGE] = 0.0f;
-    if (ratio < 1.0f) {
+    if (ratio < 1.0f && change < 1.0f) {
       const float4 light = vload4(0, voxel + HBIL_VOXEL_SENT);
-      /* a guess, which the next view replaces by half */
-      vstore4((float4)(ratio * light.xyz, clamp(light.w, -1.0f, 1.0f)), 0,
-              voxel + HBIL_VOXEL_SENT);
+      const float views = fabs(light.w);
+      if (change == 0.0f) /* a guess, which the next view replaces by half */
+        vstore4((float4)(ratio * light.xyz, clamp(light.w, -1.0f, 1.0f)), 0,
+                voxel + HBIL_VOXEL_SENT);
+      else if (change > 0.0f && views > 1.0f) /* as if its mean had fallen */
+        vstore3(light.xyz * ((ratio + (change - ratio) / views) /
+                             (1.0f + (change - 1.0f) / views)),
+                0, voxel + HBIL_VOXEL_SENT);
     }
   }
 }

@@ -62,8 +62,8 @@ enum {
 /* Regions of the cache that follow changes of light, and along an axis
  * (cache/change.cl). */
 enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
-/* They do if there is so much less light, if so much of all changes of single
- * voxels is towards less, and if there are so many of these, by their weight.
+/* They do if there is so much less light, if what is lost is at least so much of
+ * all changes without their signs, and if there are so many voxels, by weight.
  * Noise of voxels cancels in regions; a box that moves or a cloud's edge has
  * both signs. */
 #define HBIL_CHANGE_LEAST 0.1f
@@ -91,8 +91,8 @@ enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
 #define HBIL_CACHE_RAY_HITS 2
 
 /* A surface guesses what its rays into the unseen bring by what its other rays
- * meet, and by this share of a hemisphere with the mean of all surfaces: one of
- * 16 rays (doc/measurements.md). */
+ * meet, as if one more of 16 had met the mean of all surfaces
+ * (doc/measurements.md). */
 #define HBIL_CACHE_MEAN_SHARE 0.0625f
 
 /* A ray hits a voxel's plane if it crosses it within this many voxels of the
@@ -197,7 +197,7 @@ HBIL_ASSERT_LAYOUT(hbil_cache_move_args, moved, 6, 9)
 typedef struct hbil_fall_args {
   hbil_transform_args to_cache; /* from view space */
   hbil_cache_args cache;
-  hbil_int changed; /* views have been injected since the last frame */
+  hbil_int changed; /* an update has found factors since the last frame */
 } hbil_fall_args;
 HBIL_ASSERT_LAYOUT(hbil_fall_args, changed, 18, 19)
 

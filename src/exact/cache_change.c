@@ -83,16 +83,23 @@ void exact_cache_follow_change(exact_cache *cache) {
     double *v = voxel->value;
     if (voxel->state != HBIL_VOXEL_SURFACE)
       continue;
-    const bool was_seen = v[HBIL_VOXEL_CHANGE] != 0.0;
-    const double ratio =
-        was_seen ? 1.0 : ratio_of(sums, region_of(cache, &place));
+    const double change = v[HBIL_VOXEL_CHANGE];
+    const double views = fabs(v[HBIL_VOXEL_LIGHT_WEIGHT]);
+    const double ratio = ratio_of(sums, region_of(cache, &place));
     v[HBIL_VOXEL_CHANGE] = 0.0;
-    if (ratio < 1.0) {
-      for (int c = 0; c < 3; ++c)
-        v[HBIL_VOXEL_SENT + c] *= ratio;
+    if (ratio == 1.0 || change >= 1.0)
+      continue;
+    double share = ratio;
+    if (change == 0.0) /* not seen */
       v[HBIL_VOXEL_LIGHT_WEIGHT] =
-          fmin(fmax(v[HBIL_VOXEL_LIGHT_WEIGHT], -1.0), 1.0);
-    }
+          fmax(-1.0, fmin(1.0, v[HBIL_VOXEL_LIGHT_WEIGHT]));
+    else if (change > 0.0 && views > 1.0) /* as if the mean before had fallen */
+      share =
+          (ratio + (change - ratio) / views) / (1.0 + (change - 1.0) / views);
+    else
+      continue;
+    for (int c = 0; c < 3; ++c)
+      v[HBIL_VOXEL_SENT + c] *= share;
   }
 }
 

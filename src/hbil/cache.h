@@ -151,6 +151,7 @@ struct hbil_cache {
   bool settled;       /* voxels are as they were after the last update */
   bool has_hits;      /* of all surfaces; the cache hasn't moved since */
   cl_uint changes;    /* times that factors of regions were found */
+  bool falls;         /* they may be below 1 */
   cl_uint turns_left; /* updates until all hits are of what voxels are now */
   int hits;           /* which of the two buffers has them */
   cl_uint rounds;     /* of bounces so far */

@@ -61,7 +61,7 @@ static hbil_status try_kernels(hbil_cache *cache, cl_command_queue queue) {
     status = update_cache(&chain, cache, &update);
   if (status == HBIL_SUCCESS)
     status = forget_outside(&chain, cache, moved);
-  cache->updates = 0;
+  cache->updates = cache->changes = 0;
   return status;
 }
 

@@ -66,6 +66,16 @@ static hbil_status update_radiance(commands *chain, hbil_cache *cache,
   return status;
 }
 
+/* No region has less light than before. */
+static hbil_status level_ratios(commands *chain, hbil_cache *cache) {
+  const cl_float level = 1.0f;
+  cl_uint bits;
+  memcpy(&bits, &level, sizeof bits);
+  cache->falls = false;
+  return fill_memory(chain, cache->buffers[CACHE_RATIOS], bits, 0,
+                     cache->bytes[CACHE_RATIOS]);
+}
+
 /* What no view sees any more follows what views see. */
 static hbil_status follow_change(commands *chain, hbil_cache *cache) {
   const hbil_cache_args args = cache_args(cache);
@@ -78,6 +88,7 @@ static hbil_status follow_change(commands *chain, hbil_cache *cache) {
   const argument follow[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                              ARG(ratios), ARG(cache->buffers[CACHE_VOXELS])};
   ++cache->changes;
+  cache->falls = true;
   hbil_status status =
       LAUNCH(chain, CACHE_KERNEL_CHANGE_PART, part, HBIL_CACHE_PARTS, 1, 1);
   if (status == HBIL_SUCCESS)
@@ -209,7 +220,9 @@ hbil_status update_cache(commands *chain, hbil_cache *cache,
                                        .fresh = !settled};
   cache->settled = false; /* should anything fail */
   cache->turns_left = settled ? cache->turns_left : HBIL_CACHE_TURNS;
-  hbil_status status = settled ? HBIL_SUCCESS : settle(chain, cache);
+  hbil_status status = !settled       ? settle(chain, cache)
+                       : cache->falls ? level_ratios(chain, cache)
+                                      : HBIL_SUCCESS;
   if (status == HBIL_SUCCESS && traces)
     status = trace_rays(chain, cache, update);
   if (status == HBIL_SUCCESS)
@@ -263,6 +276,8 @@ hbil_status forget_outside(commands *chain, hbil_cache *cache,
                                                 : moved[i]);
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES])};
   hbil_status status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FORGET, list);
+  if (status == HBIL_SUCCESS) /* regions are other places now, too */
+    status = level_ratios(chain, cache);
   if (status == HBIL_SUCCESS)
     status = empty_volumes(chain, cache);
   if (status == HBIL_SUCCESS)
@@ -359,6 +374,8 @@ hbil_status forget_all(commands *chain, hbil_cache *cache) {
   /* voxels, too, so that saved bytes tell nothing of what was before */
   for (int i = 0; i < CACHE_TEXELS && status == HBIL_SUCCESS; ++i)
     status = fill_memory(chain, cache->buffers[i], 0, 0, cache->bytes[i]);
+  if (status == HBIL_SUCCESS)
+    status = level_ratios(chain, cache);
   if (status == HBIL_SUCCESS)
     status = empty_volumes(chain, cache);
   if (status == HBIL_SUCCESS)

@@ -100,8 +100,8 @@ static hbil_status check_arguments(hbil_plan *plan, const char *function,
   return check_wait_list(plan->context, function, wait_count, wait_list);
 }
 
-/* What the cache makes of the light that this frame hands on hangs on what
- * happens to it from now on (split.c). */
+/* The light that this frame hands on falls by what the cache learns from now on
+ * (split.c). */
 static void remember_cache(hbil_plan *plan, const hbil_cache *cache) {
   plan->last_cache = cache;
   plan->last_cache_changes = cache ? cache->changes : 0;

@@ -103,7 +103,7 @@ void hbil_plan_reset(hbil_plan *plan) {
   if (!plan)
     return;
   plan->has_history = plan->has_last = plan->slices.has = plan->probes.has =
-      false;
+      plan->adopted = false;
   plan->followed = NULL;
 }
 

@@ -100,7 +100,8 @@ static hbil_split_args split_args(const hbil_plan *plan,
   return args;
 }
 
-/* By what the light of the last frame has fallen, as the cache knows it. */
+/* By what factors the last frame's light has fallen, as far as the cache knows.
+ */
 static hbil_fall_args fall_args(const hbil_plan *plan,
                                 const hbil_frame *frame) {
   const hbil_cache *cache = frame->cache;
@@ -113,8 +114,9 @@ static hbil_fall_args fall_args(const hbil_plan *plan,
   args.cache = cache_args(cache);
   args.to_cache =
       camera_to_cache(&frame->camera, centre, cache_scale(cache), 1.0);
-  /* A job that goes on adopts its light and has made one update since, as a job
-   * that was never interrupted has. */
+  /* A resumed job has adopted its light and updated the cache since, like one
+   * that was never interrupted.  If it has not, its last update was one without
+   * new views, behind which nothing has fallen. */
   args.changed =
       plan->has_history &&
       (plan->adopted ? cache->changes > 0

@@ -10,7 +10,7 @@
 /* OpenEXR stores first the bytes at even places, then those at odd places, and
  * of each byte but the first the difference from the one before it, plus 128.
  * So the even ones are restored in place, and the odd ones as both are joined.
- * Sixteen bytes at a time where the compiler can: a fifth of the time.
+ * Sixteen bytes at a time where the compiler can: a sixth of the time.
  */
 #ifdef __has_builtin
 #if __has_builtin(__builtin_shufflevector)

@@ -229,6 +229,8 @@ static void what_is_not_seen_follows_what_is(void **state) {
   (void)state;
   check_change(8, 0.4f, true);
   check_change(1, 0.4f, true);
+  check_change(8, 0.7f, true); /* it joins means, which have fallen as well */
+  check_change(1, 0.7f, true);
   check_change(8, 0.95f, false); /* noise */
   check_change(8, 3.0f, false);
 }
