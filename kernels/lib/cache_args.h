@@ -62,10 +62,10 @@ enum {
 /* Regions of the cache that follow changes of light, and along an axis
  * (cache/change.cl). */
 enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
-/* They do if there is so much less light, if what is lost is at least so much of
- * all changes without their signs, and if there are so many voxels, by weight.
- * Noise of voxels cancels in regions; a box that moves or a cloud's edge has
- * both signs. */
+/* They do if there is so much less light, if what is lost is at least so much
+ * of all changes without their signs, and if there are so many voxels, by
+ * weight. Noise of voxels cancels in regions; a box that moves or a cloud's
+ * edge has both signs. */
 #define HBIL_CHANGE_LEAST 0.1f
 #define HBIL_CHANGE_AGREEMENT 0.7f
 #define HBIL_CHANGE_VOXELS 25.0f
