@@ -135,7 +135,7 @@ struct hbil_plan {
   bool has_history;
   cl_uint bounces; /* that this light has had, 1 .. MOST_BOUNCES */
   hbil_camera history_camera;
-  int history; /* which of its buffers holds the last frame */
+  int history;  /* which of its buffers holds the last frame */
   bool adopted; /* that light came from hbil_plan_adopt_history() */
   /* else the cache of that frame, which may be gone, and its `changes` then */
   const hbil_cache *last_cache;
