@@ -269,14 +269,14 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  * was; motion vectors are in pixels of the new frame.  What several frames make
  * together (sampling.slice_frames, the light of a radiance cache) begins anew,
  * and the next frame's static_frame is ignored, as in a plan's first frame.  A
- * plan that follows itself goes on as without the call.
+ * call in which `last` is `plan` changes nothing.
  *
  * `last` must live, and run no frame, until that frame is enqueued.  A frame
  * that is a rectangle of larger planes has these planes' offset and row_pitch
  * (hbil_plane).  HBIL_INVALID_ARGUMENT if one of both is null, or their light
  * isn't of one kind (another context, projection, storage or feedback, or one
  * of them has no history), or `last` has had no frame since it followed another
- * plan, even if it is `plan`; `plan` is then as before.
+ * plan (also if `last` is `plan`); `plan` is then as before.
  */
 HBIL_API hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last);
 

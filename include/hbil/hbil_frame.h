@@ -201,8 +201,9 @@ HBIL_API void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size);
  * pole, and a direction d has, as in Blender,
  *   column = width (0.5 - atan2(d.y, d.x) / (2 pi))
  *   row    = height acos(d.z) / pi
- * world_from_map is a row-major 3x3 rotation, to 1e-3; in a left-handed world,
- * a mirrored one, since the map is right-handed.  NULL means the identity.
+ * world_from_map is a row-major 3x3 rotation, checked to 1e-3.  In a
+ * left-handed world it is a mirrored rotation, because the map is right-handed.
+ * NULL means the identity.
  * Anything else is HBIL_INVALID_ARGUMENT, which leaves `environment` as it is.
  * NaN, negative and infinite values of the map count as 0. */
 HBIL_API hbil_status hbil_environment_from_latlong(

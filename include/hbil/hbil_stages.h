@@ -174,9 +174,9 @@ HBIL_API hbil_status hbil_plan_last_frame(const hbil_plan *plan,
  * has them, into the buffers that hbil_plan_buffer() returns, before or after
  * this call.  What the plan itself has no stage for counts as missing, and
  * bounces above 256 as 256.  If `last` is all zero, there was no frame, and the
- * next one is a first frame.  The next frame can't be static.  Returns
- * HBIL_INVALID_ARGUMENT if plan or last is null, and HBIL_INVALID_FRAME if the
- * camera is invalid; then the plan is as before. */
+ * next one is a first frame.  The next frame's static_frame is ignored.
+ * Returns HBIL_INVALID_ARGUMENT if plan or last is null, and HBIL_INVALID_FRAME
+ * if the camera is invalid; then the plan is as before. */
 HBIL_API hbil_status hbil_plan_adopt_history(hbil_plan *plan,
                                              const hbil_last_frame *last);
 

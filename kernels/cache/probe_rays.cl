@@ -6,7 +6,7 @@
  * field has their light.  Of the others a probe has three order-1 functions of
  * the direction (doc/method.md, section 13): the share with known light, that
  * light, and the share with unknown light; and means of what areas of the cache
- * tell of the latter, where the frame's own surfaces are the far field, or 0.
+ * tell of the latter; 0 unless the far field is HBIL_FAR_FRAME.
  *
  * Launch: x = columns of probes, y = rows.
  * In: split planes, the cache.  Out: HBIL_PROBE_FLOATS floats a probe.

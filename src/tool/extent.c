@@ -37,8 +37,8 @@ static int make_room(extent *e, size_t more) {
 }
 
 /* Writes the places of a picture's surfaces in the world to `out`, some
- * thousand of them, and returns how many.  step: of
- * the pixels that are looked at. */
+ * thousand of them, and returns how many.  step: between the pixels that are
+ * looked at. */
 static size_t find_places(const gbuffer *g, size_t step, double (*out)[3]) {
   const hbil_camera *camera = &g->map.camera;
   const surface_points points = surface_points_of(g, camera);

@@ -84,6 +84,10 @@ static int add(sequence_names *s, const char *folder, const char *name,
       (!s->padded || strlen(s->padded) < strlen(pattern))) {
     free(s->padded);
     s->padded = strdup(pattern);
+    if (!s->padded) {
+      free(pattern);
+      return image_no_memory(error, folder);
+    }
   }
   const int same = !s->pattern || is_same(s->pattern, pattern);
   if (!same)
