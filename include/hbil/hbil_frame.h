@@ -151,8 +151,9 @@ typedef struct hbil_frame {
    * work: in a frame whose camera differs by a rounding, leave it CL_FALSE, and
    * light differs by a rounding.
    * Ignored where a plan has no last frame of its own: in its first one, and
-   * after hbil_plan_reset() and hbil_plan_follow().  Callers who write to a
-   * plan's stages, or to scratch memory that they lent it, must not set it. */
+   * after hbil_plan_reset(), hbil_plan_follow() and hbil_plan_adopt_history().
+   * Callers who write to a plan's stages, or to scratch memory that they lent
+   * it, must not set it. */
   cl_bool static_frame;
   /* With HBIL_DEPTH_HARDWARE: A and B of this frame's projection;
    * hbil_camera_from_matrices() computes both.  The value of
@@ -203,9 +204,9 @@ HBIL_API void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size);
  *   row    = height acos(d.z) / pi
  * world_from_map is a row-major 3x3 rotation, checked to 1e-3.  In a
  * left-handed world it is a mirrored rotation, because the map is right-handed.
- * NULL means the identity.
- * Anything else is HBIL_INVALID_ARGUMENT, which leaves `environment` as it is.
- * NaN, negative and infinite values of the map count as 0. */
+ * NULL means the identity.  Anything else is HBIL_INVALID_ARGUMENT, which
+ * leaves `environment` as it is.  NaN, negative and infinite values of the map
+ * count as 0. */
 HBIL_API hbil_status hbil_environment_from_latlong(
     const float *rgb, size_t width, size_t height, size_t row_pitch,
     const float world_from_map[9], float environment[9][3]);

@@ -131,41 +131,39 @@ static void remove_copied(image *result, size_t layers) {
 
 static const float largest_half = 65504.0f;
 
-/* Sets the pixels whose value is larger than half floats can be.  The device
- * clips what it makes halves of, so the largest half stands for such values.
- * Returns whether there are any. */
-static int mark_clipped(const image_plane *plane, size_t pixels,
-                        unsigned char *marks) {
-  unsigned some = 0;
-  for (size_t i = 0; plane->halves && i < pixels; i++)
-    some |= (plane->halves[i] & 0x7fff) == 0x7bff;
-  for (size_t i = 0; plane->pixels && i < pixels; i++)
-    some |= fabsf(plane->pixels[i]) > largest_half;
-  for (size_t i = 0; some && i < pixels; i++)
-    marks[i] |= plane->halves ? (plane->halves[i] & 0x7fff) == 0x7bff
-                              : fabsf(plane->pixels[i]) > largest_half;
-  return some != 0;
+/* Whether a value is larger than half floats can be.  The device clips what it
+ * makes halves of, so the largest half stands for such values. */
+static unsigned is_clipped(const image_plane *plane, size_t i) {
+  return plane->halves ? (plane->halves[i] & 0x7fff) == 0x7bff
+                       : fabsf(plane->pixels[i]) > largest_half;
 }
 
-/* Adds the pixels of each layer that are clipped in some channel.  0, or -1 if
- * memory runs out. */
-static int count_clipped(encoder *e, const image *result) {
-  const size_t pixels = (size_t)result->width * result->height;
-  const image_plane *plane = result->planes;
-  unsigned char *marks = malloc(pixels);
-  for (int l = 0; marks && l < LAYER_COUNT; l++) {
-    int some = 0;
-    if (!(e->job->layers >> l & 1))
-      continue;
-    memset(marks, 0, pixels);
-    for (const char *c = layer_table[l].components; *c; c++)
-      some |= mark_clipped(plane++, pixels, marks);
-    for (size_t i = 0; some && i < pixels; i++)
-      e->clipped[l] += marks[i];
+/* The pixels of a layer that are clipped in some channel. */
+static size_t clipped_pixels(const image_plane *planes, size_t channels,
+                             size_t pixels) {
+  unsigned some = 0;
+  size_t count = 0;
+  for (size_t c = 0; c < channels; c++)
+    for (size_t i = 0; i < pixels; i++)
+      some |= is_clipped(&planes[c], i);
+  for (size_t i = 0; some && i < pixels; i++) {
+    unsigned clipped = 0;
+    for (size_t c = 0; c < channels; c++)
+      clipped |= is_clipped(&planes[c], i);
+    count += clipped;
   }
-  const int failed = marks ? 0 : -1;
-  free(marks);
-  return failed;
+  return count;
+}
+
+static void count_clipped(encoder *e, const image *result) {
+  const size_t pixels = (size_t)result->width * result->height;
+  const image_plane *planes = result->planes;
+  for (int l = 0; l < LAYER_COUNT; l++)
+    if (e->job->layers >> l & 1) {
+      const size_t channels = strlen(layer_table[l].components);
+      e->clipped[l] += clipped_pixels(planes, channels, pixels);
+      planes += channels;
+    }
 }
 
 /* "hbil: warning: half floats end at 65504, at which 3 pixels of beauty are
@@ -196,8 +194,8 @@ static int write_planes(encoder *e, size_t item, const char *path,
       model->mode == HBIL_MODE_HBAO ? model->radius : model->ao_radius;
   for (size_t i = 0; i < layers; i++)
     result->planes[i].type = e->job->half ? IMAGE_HALF : IMAGE_FLOAT;
-  if (e->job->half && !e->job->settings->quiet && count_clipped(e, result) != 0)
-    return image_no_memory(error, f->path);
+  if (e->job->half && !e->job->settings->quiet)
+    count_clipped(e, result);
   const int failed = add_copied(result, copied) != 0
                          ? image_no_memory(error, f->path)
                          : exr_write_as(path, result, NULL, &style, error);

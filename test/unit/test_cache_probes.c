@@ -212,9 +212,9 @@ static void fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]) {
 }
 
 /* Multiplies handed-on light by what it has fallen to.  Pixels so near to a
- * region's border that a rounding decides are left out: their weight is -1. */
+ * region's border that a rounding decides become NaN, and are left out. */
 static void dim(const lit_frame *l, const float ratios[HBIL_CACHE_REGIONS],
-                int red, exact_planes *light) {
+                exact_planes *carried) {
   const double *m = l->s.job.camera.world_from_view;
   for (int y = 0; y < LIT_HEIGHT; ++y)
     for (int x = 0; x < LIT_WIDTH; ++x) {
@@ -233,13 +233,14 @@ static void dim(const lit_frame *l, const float ratios[HBIL_CACHE_REGIONS],
         near |= exact_cache_fallen(&l->cache, ratios, beside) != ratio;
       }
       for (int c = 0; c < 3; ++c)
-        *exact_at(light, red + c, x, y) *= near ? NAN : ratio;
+        *exact_at(carried, HBIL_CARRIED_RED + c, x, y) *= near ? NAN : ratio;
     }
 }
 
 /* fallen: the factors that this frame finds; NULL: light has not fallen. */
 static void check_handed_on(lit_frame *l, const float *fallen) {
   const bool is_static = l->s.frame.static_frame;
+  const int red = is_static ? HBIL_HISTORY_RED : HBIL_CARRIED_RED;
   exact_planes light =
       stage_read(&l->s, is_static ? HBIL_STAGE_HISTORY : HBIL_STAGE_CARRIED);
   exact_planes carried, want;
@@ -254,13 +255,12 @@ static void check_handed_on(lit_frame *l, const float *fallen) {
   for (int y = 0; y < LIT_HEIGHT; ++y)
     for (int x = 0; x < LIT_WIDTH; ++x) {
       for (int c = 0; c < 3; ++c)
-        *exact_at(&carried, HBIL_CARRIED_RED + c, x, y) = *exact_at(
-            &light, (is_static ? HBIL_HISTORY_RED : HBIL_CARRIED_RED) + c, x,
-            y);
+        *exact_at(&carried, HBIL_CARRIED_RED + c, x, y) =
+            *exact_at(&light, red + c, x, y);
       *exact_at(&carried, HBIL_CARRIED_WEIGHT, x, y) = 1.0;
     }
   if (fallen)
-    dim(l, fallen, HBIL_CARRIED_RED, &carried);
+    dim(l, fallen, &carried);
   exact_split(&l->s.job, &carried, &want);
   setup_run(&l->s, enqueue_split);
   exact_planes got = stage_read(&l->s, HBIL_STAGE_SPLIT);
@@ -273,7 +273,7 @@ static void check_handed_on(lit_frame *l, const float *fallen) {
         largest = fmax(largest, w);
         worst =
             fmax(worst, fabs(*exact_at(&got, HBIL_SPLIT_RED + c, x, y) - w));
-        lit += *exact_at(&light, c + (is_static ? 1 : 0), x, y) > 0.01;
+        lit += *exact_at(&light, red + c, x, y) > 0.01;
         ++compared;
       }
   assert_true(compared > LIT_WIDTH * LIT_HEIGHT && lit > compared / 4);
