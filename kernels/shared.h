@@ -479,11 +479,11 @@ typedef struct hbil_environment_args {
 } hbil_environment_args;
 HBIL_ASSERT_LAYOUT(hbil_environment_args, channel, 0, 27)
 
-/* Probes stand at pixels whose coordinates are multiples of `spacing`;
- * columns 0: there are none. */
+/* Cells of `spacing` pixels, and lines of `columns` probes at their corners and
+ * inside them (lib/probe_grid.clh); columns 0: there are none. */
 typedef struct hbil_probe_grid_args {
-  hbil_int spacing, columns, rows;
+  hbil_int spacing, columns, lines;
 } hbil_probe_grid_args;
-HBIL_ASSERT_LAYOUT(hbil_probe_grid_args, rows, 2, 3)
+HBIL_ASSERT_LAYOUT(hbil_probe_grid_args, lines, 2, 3)
 
 #endif

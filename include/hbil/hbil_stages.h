@@ -64,7 +64,7 @@ extern "C" {
  *
  * PROBE_HISTORY, of plans that have a cache_method, is what the light of the
  * radiance cache is averaged with in the next frame: plane_pitch floats in all,
- * row_pitch for each row of probes, in an order of their own.  It is copied as
+ * row_pitch for each line of probes, in an order of their own.  It is copied as
  * a whole.
  *
  * SLICES, of plans with sampling.slice_frames above 1, is what the slices of

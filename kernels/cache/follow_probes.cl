@@ -12,10 +12,11 @@
  * Where the new frame differs by more than HBIL_PROBE_CHANGE, which is more
  * than chance, light or surfaces have changed, and counting starts again.
  *
- * Launch: x = columns of probes, y = rows.  In: the probes of this frame, those
- * that the last frame left.  Out: HBIL_PROBE_FLOATS floats a probe.
+ * Launch: x = columns of probes, y = lines.  In: the probes of this frame,
+ * those that the last frame left.  Out: HBIL_PROBE_FLOATS floats a probe.
  */
 #include "lib/cache_voxels.clh"
+#include "lib/probe_grid.clh"
 #include "lib/probe_likeness.clh"
 
 /* Known and unknown; with red, green, blue; with what is guessed, which has no
@@ -42,19 +43,21 @@ INLINE past_probe find_past(const hbil_follow_args args,
   const float u = inv * to_subpixel(fma(view.fx, p.x * shrink, view.cx) - 0.5f);
   const float v = inv * to_subpixel(fma(view.fy, p.y * shrink, view.cy) - 0.5f);
   if (!(u > -1.0f && v > -1.0f && u < (float)grid.columns &&
-        v < (float)grid.rows))
+        v < (float)grid.lines))
     return past;
-  const int column = (int)floor(u), row = (int)floor(v);
   float total = 0.0f;
-  for (int i = 0; i < 4; ++i) {
-    const int x = column + (i & 1), y = row + (i >> 1);
+  /* four at corners of cells, four inside cells */
+  for (int i = 0; i < 8; ++i) {
+    const float shift = i < 4 ? 0.0f : 0.5f;
+    const float s = u - shift, t = v - shift;
+    const int x = (int)floor(s) + (i & 1), y = (int)floor(t) + (i >> 1 & 1);
+    const int line = 2 * y + (i < 4 ? 0 : 1);
     const float corner =
-        (1.0f - fabs(u - (float)x)) * (1.0f - fabs(v - (float)y));
-    if (x < 0 || y < 0 || x >= grid.columns || y >= grid.rows ||
-        !(corner > 0.0f))
+        (1.0f - fabs(s - (float)x)) * (1.0f - fabs(t - (float)y));
+    if (!has_probe(grid, x, line) || !(corner > 0.0f))
       continue;
     global const float *other =
-        probes + HBIL_PROBE_FLOATS * (y * grid.columns + x);
+        probes + HBIL_PROBE_FLOATS * probe_number(grid, x, line);
     const float weight =
         corner * other[HBIL_PROBE_VALID] *
         likeness(view, p, n, vload3(0, other + HBIL_PROBE_POSITION),
@@ -92,10 +95,10 @@ INLINE float change(const float4 now[VALUES], const past_probe *past) {
 kernel void follow_probes(const hbil_follow_args args,
                           global const float *probes, global const float *past,
                           global float *followed) {
-  const int column = (int)get_global_id(0), row = (int)get_global_id(1);
-  if (column >= args.grid.columns || row >= args.grid.rows)
+  const int column = (int)get_global_id(0), line = (int)get_global_id(1);
+  if (!has_probe(args.grid, column, line))
     return;
-  const int number = row * args.grid.columns + column;
+  const uint number = probe_number(args.grid, column, line);
   global const float *probe = probes + HBIL_PROBE_FLOATS * number;
   global float *to = followed + HBIL_PROBE_FLOATS * number;
   const float4 place = vload4(0, probe);

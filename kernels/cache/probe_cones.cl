@@ -10,7 +10,7 @@
  * within the near field's radius stop light without giving any, as the near
  * field has their light.
  *
- * Launch: x = columns of probes, y = rows.
+ * Launch: x = columns of probes, y = lines.
  * In: split planes, the cache, the pyramid.  Out: HBIL_PROBE_FLOATS floats a
  * probe, as from probe_rays.
  */

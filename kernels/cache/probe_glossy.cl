@@ -5,7 +5,7 @@
  *
  * Rays whose first surface this frame shows are left out, as in probe_rays.cl.
  *
- * Launch: x = columns of probes, y = rows.
+ * Launch: x = columns of probes, y = lines.
  * In: split planes, the cache.  Out: HBIL_GLOSSY_PROBE_FLOATS floats a probe.
  */
 #include "lib/cache_rays.clh"

@@ -8,7 +8,7 @@
  * the solid angle of a neighbour's five faces.  The volumes don't tell what no
  * view has seen; all directions count as known.
  *
- * Launch: x = columns of probes, y = rows.
+ * Launch: x = columns of probes, y = lines.
  * In: split planes, volumes.  Out: HBIL_PROBE_FLOATS floats a probe, as from
  * probe_rays.
  */

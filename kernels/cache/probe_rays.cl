@@ -8,7 +8,7 @@
  * light, and the share with unknown light; and means of what areas of the cache
  * tell of the latter; 0 unless the far field is HBIL_FAR_FRAME.
  *
- * Launch: x = columns of probes, y = rows.
+ * Launch: x = columns of probes, y = lines.
  * In: split planes, the cache.  Out: HBIL_PROBE_FLOATS floats a probe.
  */
 #include "lib/cache_rays.clh"
@@ -40,19 +40,20 @@ INLINE float4 mean_of_rays(const rays_sum *sum, int count) {
 }
 
 /* Rays of a probe: twice or four times as many where few of the eight probes
- * around it stand on the same surface, so that the filter has little to average
- * over. */
+ * at the corners around it stand on the same surface, so that the filter has
+ * little to average over. */
 INLINE int rays_of_probe(const hbil_probes_args args, global const float *split,
                          const probe_place *probe) {
+  const int line = (int)get_global_id(1);
   int alike = 0;
   for (int i = 0; i < 9; ++i) {
     const int column = (int)get_global_id(0) + i % 3 - 1;
-    const int row = (int)get_global_id(1) + i / 3 - 1;
-    if (i == 4 || column < 0 || row < 0 || column >= args.grid.columns ||
-        row >= args.grid.rows)
+    const int row = line / 2 + i / 3 - 1;
+    const bool itself = i == 4 && !is_inside_cell(line);
+    if (itself || !has_probe(args.grid, column, 2 * row))
       continue;
     int x, y;
-    pixel_of_probe(args, column, row, &x, &y);
+    pixel_of_corner(args, column, row, &x, &y);
     const pixel p = read_pixel(args.split, split, x, y);
     alike += p.w > SKY && likeness(args.view, probe->position, probe->normal,
                                    point_at(args.view, x, y, p.w), p.n) > 0.5f;
@@ -65,7 +66,7 @@ INLINE int rays_of_probe(const hbil_probes_args args, global const float *split,
 INLINE points ray_directions(intv i, int rays, const probe_place *probe) {
   const int tile = HBIL_PROBE_TILE;
   const int first =
-      (int)get_global_id(0) % tile + (int)get_global_id(1) % tile * tile;
+      (int)get_global_id(0) % tile + (int)get_global_id(1) / 2 % tile * tile;
   realv u, v;
   /* from the middles of strata: none is level */
   ray_places(i * (tile * tile) + first, rays * (tile * tile),

@@ -9,7 +9,7 @@
  * R xi from it, which makes their density 1 / (2 pi R^2 xi); R reaches the
  * farthest corner, so that the mean is the sum over all texels.
  *
- * Launch: x = columns of probes, y = rows.
+ * Launch: x = columns of probes, y = lines.
  * In: split planes, the lights' views.  Out: HBIL_PROBE_FLOATS floats a probe,
  * as from probe_rays; all directions count as known.
  */

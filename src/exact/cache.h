@@ -200,9 +200,12 @@ typedef struct exact_probe {
   double frames;      /* after exact_follow_probes(): that it stands for */
 } exact_probe;
 
+/* Probes stand at the corners of cells of `spacing` pixels, and some cells have
+ * one more inside.  Line 2 i has the corners of row i, line 2 i + 1 the insides
+ * of the cells below. */
 typedef struct exact_probes {
-  int spacing, columns, rows;
-  exact_probe *probe; /* owned; row by row */
+  int spacing, columns, lines, count;
+  exact_probe *probe; /* owned; line by line */
 } exact_probes;
 
 /* The probes of a configuration's pictures, all zero. */
@@ -235,7 +238,11 @@ typedef struct exact_probe_light {
 /* The mean of (1, direction) over the open directions, a share `ao` of the
  * hemisphere about the bent normal. */
 void exact_open_mean(double ao, vec3 bent, double mean[4]);
-/* The bilinear weight of probe i at a pixel; 0 where it isn't valid. */
+/* The weight of probe i at a place, in cells of the picture: bilinear about its
+ * corner or about its cell's middle, and zero `reach` cells away. */
+double exact_probe_tent(const exact_probes *probes, int i, double across,
+                        double down, double reach);
+/* The weight at a pixel; 0 where the probe isn't valid. */
 double exact_probe_corner(const exact_probes *probes, int i, int x, int y);
 /* How much a probe is that of a surface at p, in view space, that faces along
  * `facing`. */

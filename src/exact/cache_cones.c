@@ -284,7 +284,7 @@ void exact_probe_cones(const exact_frame *frame, const exact_cache *cache,
   const double cosine = 1.0 - 1.0 / HBIL_CONES;
   const double spread = 2.0 * tan(acos(cosine));
   exact_place_probes(frame, split, probes);
-  for (int k = 0; k < probes->columns * probes->rows; ++k) {
+  for (int k = 0; k < probes->count; ++k) {
     exact_probe *p = probes->probe + k;
     if (!p->valid)
       continue;

@@ -28,11 +28,11 @@ exact_status exact_probes_create(exact_probes *probes,
                                  const hbil_config *config) {
   const int spacing = spacing_of(config);
   probes->spacing = spacing;
-  /* the last ones are at or behind the picture's edge */
+  /* the last corners are at or behind the picture's edge */
   probes->columns = ((int)config->width - 1 + spacing - 1) / spacing + 1;
-  probes->rows = ((int)config->height - 1 + spacing - 1) / spacing + 1;
-  probes->probe = calloc((size_t)probes->columns * (size_t)probes->rows,
-                         sizeof *probes->probe);
+  probes->lines = 2 * (((int)config->height - 1 + spacing - 1) / spacing) + 1;
+  probes->count = probes->columns * probes->lines;
+  probes->probe = calloc((size_t)probes->count, sizeof *probes->probe);
   return probes->probe ? EXACT_SUCCESS : EXACT_OUT_OF_MEMORY;
 }
 
@@ -171,12 +171,11 @@ static int inside(int i, int size) {
   return i < 0 ? 0 : i < size ? i : size - 1;
 }
 
-/* The pixel of a probe: the one at its place or, where that shows no surface,
+/* The surface at a corner: that of the pixel there or, where it shows none, of
  * the first of those around it that does. */
-static surface surface_of_probe(const exact_frame *frame,
-                                const exact_planes *split,
-                                const exact_probes *probes, int column,
-                                int row) {
+static surface corner_surface(const exact_frame *frame,
+                              const exact_planes *split,
+                              const exact_probes *probes, int column, int row) {
   const int away = probes->spacing / 3;
   const int x = inside(column * probes->spacing, split->width);
   const int y = inside(row * probes->spacing, split->height);
@@ -187,21 +186,6 @@ static surface surface_of_probe(const exact_frame *frame,
                          inside(x + (order[i] % 3 - 1) * away, split->width),
                          inside(y + (order[i] / 3 - 1) * away, split->height));
   return s;
-}
-
-void exact_place_probes(const exact_frame *frame, const exact_planes *split,
-                        exact_probes *probes) {
-  for (int i = 0; i < probes->columns * probes->rows; ++i) {
-    exact_probe *p = probes->probe + i;
-    const surface s = surface_of_probe(
-        frame, split, probes, i % probes->columns, i / probes->columns);
-    memset(p, 0, sizeof *p);
-    if (!s.is)
-      continue;
-    p->valid = true;
-    p->place = s.at;
-    p->normal = s.normal;
-  }
 }
 
 /* How much another probe is like one: how near it is to its plane, and whether
@@ -216,20 +200,76 @@ static double likeness(const exact_frame *frame, const exact_probe *p,
   return pow(facing, 8.0) / pow(1.0 + off * off, 2.0);
 }
 
-/* Where few of the probes around stand on the same surface, there are more
- * rays. */
+static exact_probe probe_on(const surface *s) {
+  return (exact_probe){.valid = s->is, .place = s->at, .normal = s->normal};
+}
+
+/* Of the pixels of a cell at odd eighths of its width, in an order that goes
+ * from the middle outwards and all over the cell, the first whose surface is
+ * not that of a probe at a corner. */
+static surface cell_surface(const exact_frame *frame, const exact_planes *split,
+                            const exact_probes *probes, int column, int row) {
+  static const int order[16] = {5,  10, 15, 4,  9, 14, 3,  8,
+                                13, 2,  7,  12, 1, 6,  11, 0};
+  surface none = {.is = false};
+  exact_probe corners[4];
+  if (column + 1 >= probes->columns || 2 * row + 2 >= probes->lines)
+    return none;
+  for (int i = 0; i < 4; ++i) {
+    const surface s =
+        corner_surface(frame, split, probes, column + i % 2, row + i / 2);
+    corners[i] = probe_on(&s);
+  }
+  for (int i = 0; i < 16; ++i) {
+    const int x = column * probes->spacing +
+                  (2 * (order[i] % 4) + 1) * probes->spacing / 8;
+    const int y =
+        row * probes->spacing + (2 * (order[i] / 4) + 1) * probes->spacing / 8;
+    if (x >= split->width || y >= split->height)
+      continue;
+    const surface s = exact_surface_at(frame, split, x, y);
+    const exact_probe p = probe_on(&s);
+    bool is_like_any = false;
+    for (int k = 0; k < 4; ++k)
+      is_like_any |= corners[k].valid && likeness(frame, corners + k, &p) >=
+                                             (double)HBIL_PROBE_LEAST_LIKENESS;
+    if (s.is && !is_like_any)
+      return s;
+  }
+  return none;
+}
+
+void exact_place_probes(const exact_frame *frame, const exact_planes *split,
+                        exact_probes *probes) {
+  for (int i = 0; i < probes->count; ++i) {
+    const int column = i % probes->columns, line = i / probes->columns;
+    const surface s =
+        line % 2 ? cell_surface(frame, split, probes, column, line / 2)
+                 : corner_surface(frame, split, probes, column, line / 2);
+    memset(probes->probe + i, 0, sizeof *probes->probe);
+    if (s.is)
+      probes->probe[i] = probe_on(&s);
+  }
+}
+
+/* Where few of the probes at the corners around stand on the same surface,
+ * there are more rays. */
 static int rays_of_probe(const exact_frame *frame, const exact_planes *split,
-                         const exact_probes *probes, int column, int row) {
-  const exact_probe *p = probes->probe + row * probes->columns + column;
+                         const exact_probes *probes, int number) {
+  const exact_probe *p = probes->probe + number;
+  const int column = number % probes->columns;
+  const int line = number / probes->columns;
   int alike = 0;
   for (int i = 0; i < 9; ++i) {
-    const int x = column + i % 3 - 1, y = row + i / 3 - 1;
-    if (i == 4 || x < 0 || y < 0 || x >= probes->columns || y >= probes->rows)
+    const int x = column + i % 3 - 1, y = line / 2 + i / 3 - 1;
+    const bool itself = i == 4 && line % 2 == 0;
+    if (itself || x < 0 || y < 0 || x >= probes->columns ||
+        2 * y >= probes->lines)
       continue;
     const surface s = exact_surface_at(
         frame, split, inside(x * probes->spacing, split->width),
         inside(y * probes->spacing, split->height));
-    const exact_probe other = {.place = s.at, .normal = s.normal};
+    const exact_probe other = probe_on(&s);
     alike += s.is && likeness(frame, p, &other) > 0.5;
   }
   return HBIL_PROBE_RAYS * (alike < 3 ? 4 : alike < 5 ? 2 : 1);
@@ -238,11 +278,10 @@ static int rays_of_probe(const exact_frame *frame, const exact_planes *split,
 void exact_make_probes(const exact_frame *frame, const exact_cache *cache,
                        const exact_planes *split, exact_probes *probes) {
   exact_place_probes(frame, split, probes);
-  for (int i = 0; i < probes->columns * probes->rows; ++i) {
-    const int column = i % probes->columns, row = i / probes->columns;
+  for (int i = 0; i < probes->count; ++i) {
+    const int column = i % probes->columns, row = i / probes->columns / 2;
     if (probes->probe[i].valid)
-      trace(frame, cache, split,
-            rays_of_probe(frame, split, probes, column, row),
+      trace(frame, cache, split, rays_of_probe(frame, split, probes, i),
             column % HBIL_PROBE_TILE + row % HBIL_PROBE_TILE * HBIL_PROBE_TILE,
             probes->probe + i);
   }
@@ -256,46 +295,41 @@ static void add_function(double sum[4], double weight, const double f[4]) {
 }
 
 static void filter_probe(const exact_frame *frame, const exact_probes *probes,
-                         int column, int row, exact_probe *out) {
-  const exact_probe *p = probes->probe + row * probes->columns + column;
-  const int tile = HBIL_PROBE_TILE;
+                         int number, exact_probe *out) {
+  const exact_probe *p = probes->probe + number;
+  const int line = number / probes->columns;
+  const double across = number % probes->columns + (line % 2 ? 0.5 : 0.0);
   double total = 0.0;
-  memset(out, 0, sizeof *out);
-  out->valid = p->valid;
-  out->place = p->place;
-  out->normal = p->normal;
+  *out =
+      (exact_probe){.valid = p->valid, .place = p->place, .normal = p->normal};
   if (!p->valid)
     return;
   /* the sum of the weights first, then shares of it */
   for (int pass = 0; pass < 2; ++pass)
-    for (int j = row - tile + 1; j < row + tile; ++j)
-      for (int i = column - tile + 1; i < column + tile; ++i) {
-        if (i < 0 || j < 0 || i >= probes->columns || j >= probes->rows)
-          continue;
-        const exact_probe *other = probes->probe + j * probes->columns + i;
-        if (!other->valid)
-          continue;
-        const double tent = (1.0 - abs(i - column) / (double)tile) *
-                            (1.0 - abs(j - row) / (double)tile);
-        const double weight =
-            tent * (other == p ? 1.0 : likeness(frame, p, other));
-        if (pass == 0) {
-          total += weight;
-          continue;
-        }
-        add_function(out->known, weight / total, other->known);
-        add_function(out->unknown, weight / total, other->unknown);
-        add_function(out->guess, weight / total, other->guess);
-        for (int c = 0; c < 3; ++c)
-          add_function(out->light[c], weight / total, other->light[c]);
+    for (int i = 0; i < probes->count; ++i) {
+      const exact_probe *other = probes->probe + i;
+      const double tent =
+          exact_probe_tent(probes, i, across, line / 2.0, HBIL_PROBE_TILE);
+      if (!other->valid || !(tent > 0.0))
+        continue;
+      const double weight =
+          tent * (other == p ? 1.0 : likeness(frame, p, other));
+      if (pass == 0) {
+        total += weight;
+        continue;
       }
+      add_function(out->known, weight / total, other->known);
+      add_function(out->unknown, weight / total, other->unknown);
+      add_function(out->guess, weight / total, other->guess);
+      for (int c = 0; c < 3; ++c)
+        add_function(out->light[c], weight / total, other->light[c]);
+    }
 }
 
 void exact_filter_probes(const exact_frame *frame, const exact_probes *probes,
                          exact_probes *filtered) {
-  for (int i = 0; i < probes->columns * probes->rows; ++i)
-    filter_probe(frame, probes, i % probes->columns, i / probes->columns,
-                 filtered->probe + i);
+  for (int i = 0; i < probes->count; ++i)
+    filter_probe(frame, probes, i, filtered->probe + i);
 }
 
 /* --- the history --- */
@@ -348,17 +382,15 @@ static exact_probe find_past(const exact_frame *last, const exact_probes *past,
       rint(256.0 * (camera->fy * p->place.y / z + camera->cy - 0.5)) / 256.0 /
       past->spacing;
   double total = 0.0;
-  for (int y = 0; y < past->rows; ++y)
-    for (int x = 0; x < past->columns; ++x) {
-      const exact_probe *other = past->probe + y * past->columns + x;
-      const double corner =
-          fmax(0.0, 1.0 - fabs(u - x)) * fmax(0.0, 1.0 - fabs(v - y));
-      if (!(corner > 0.0) || !other->valid)
-        continue;
-      const double weight = corner * likeness(last, p, other);
-      total += weight;
-      add_probe(&sum, weight, other);
-    }
+  for (int i = 0; i < past->count; ++i) {
+    const exact_probe *other = past->probe + i;
+    const double corner = exact_probe_tent(past, i, u, v, 1.0);
+    if (!(corner > 0.0) || !other->valid)
+      continue;
+    const double weight = corner * likeness(last, p, other);
+    total += weight;
+    add_probe(&sum, weight, other);
+  }
   scale_probe(&sum,
               total >= (double)HBIL_PROBE_LEAST_LIKENESS ? 1.0 / total : 0.0);
   return sum;
@@ -391,7 +423,7 @@ void exact_follow_probes(const exact_frame *frame, const hbil_camera *before,
                          exact_probes *followed) {
   exact_frame last = *frame;
   last.camera = *before;
-  for (int i = 0; i < filtered->columns * filtered->rows; ++i) {
+  for (int i = 0; i < filtered->count; ++i) {
     const exact_probe now = filtered->probe[i];
     exact_probe *out = followed->probe + i, there = now;
     *out = now;

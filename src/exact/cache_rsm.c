@@ -110,7 +110,7 @@ void exact_probe_lights(const exact_frame *frame, const exact_cache *cache,
                         const exact_cache_view *lights, int count, bool all,
                         const exact_planes *split, exact_probes *probes) {
   exact_place_probes(frame, split, probes);
-  for (int k = 0; k < probes->columns * probes->rows; ++k) {
+  for (int k = 0; k < probes->count; ++k) {
     exact_probe *p = probes->probe + k;
     if (!p->valid)
       continue;

@@ -225,7 +225,7 @@ void exact_probe_volumes(const exact_frame *frame, const exact_cache *cache,
                          const exact_volumes *volumes,
                          const exact_planes *split, exact_probes *probes) {
   exact_place_probes(frame, split, probes);
-  for (int k = 0; k < probes->columns * probes->rows; ++k) {
+  for (int k = 0; k < probes->count; ++k) {
     exact_probe *p = probes->probe + k;
     if (!p->valid)
       continue;

@@ -74,7 +74,7 @@ void exact_make_glossy_probes(const exact_frame *frame,
                               const exact_planes *split,
                               const exact_probes *probes,
                               exact_glossy_probe *glossy) {
-  for (int i = 0; i < probes->columns * probes->rows; ++i) {
+  for (int i = 0; i < probes->count; ++i) {
     const exact_probe *p = probes->probe + i;
     memset(glossy + i, 0, sizeof *glossy);
     if (!p->valid)
@@ -105,7 +105,7 @@ static exact_probe_light light_of_probes(const exact_frame *frame,
   const exact_probes *probes = frame->probes;
   exact_probe_light light = {.share = 0.0};
   double total = 0.0, known = 0.0, unknown = 0.0, sent[3] = {0.0, 0.0, 0.0};
-  for (int i = 0; glossy && i < probes->columns * probes->rows; ++i) {
+  for (int i = 0; glossy && i < probes->count; ++i) {
     const exact_probe *probe = probes->probe + i;
     const double weight =
         exact_probe_corner(probes, i, x, y) *

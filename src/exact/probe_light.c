@@ -6,8 +6,8 @@
  * it, over pi, are AO = 1 - t^2 and 2/3 (1 - t^3) b.  Their quotient is the
  * mean direction d b, and the mean of an order-1 function f is f0 + d b.f.
  *
- * Of the four probes around a pixel, those count that are on its surface and
- * see what it sees.
+ * Of the probes around a pixel, those count that are on its surface and see
+ * what it sees.
  */
 #include "exact/cache.h"
 #include "exact/camera.h"
@@ -30,12 +30,18 @@ static double mean_of(const double f[4], const double mean[4]) {
   return f[0] * mean[0] + f[1] * mean[1] + f[2] * mean[2] + f[3] * mean[3];
 }
 
+double exact_probe_tent(const exact_probes *probes, int i, double across,
+                        double down, double reach) {
+  const int line = i / probes->columns;
+  const double x = i % probes->columns + (line % 2 ? 0.5 : 0.0);
+  return fmax(0.0, 1.0 - fabs(across - x) / reach) *
+         fmax(0.0, 1.0 - fabs(down - line / 2.0) / reach);
+}
+
 double exact_probe_corner(const exact_probes *probes, int i, int x, int y) {
-  const int column = i % probes->columns, row = i / probes->columns;
-  const double across = fabs(x / (double)probes->spacing - column);
-  const double down = fabs(y / (double)probes->spacing - row);
-  return probes->probe[i].valid && across < 1.0 && down < 1.0
-             ? (1.0 - across) * (1.0 - down)
+  const double size = probes->spacing;
+  return probes->probe[i].valid
+             ? exact_probe_tent(probes, i, x / size, y / size, 1.0)
              : 0.0;
 }
 
@@ -60,7 +66,7 @@ exact_probe_light exact_light_of_probes(const exact_frame *frame, int x, int y,
     return light;
   const vec3 p = exact_point(frame, x, y, exact_planar_depth(frame, x, y));
   exact_open_mean(ao, bent, mean);
-  for (int i = 0; i < probes->columns * probes->rows; ++i) {
+  for (int i = 0; i < probes->count; ++i) {
     const exact_probe *probe = probes->probe + i;
     const double corner = exact_probe_corner(probes, i, x, y);
     if (!(corner > 0.0))

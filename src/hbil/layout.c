@@ -264,15 +264,16 @@ static void lay_out_probes(const hbil_config *config, layout *out) {
   while (2 * (cl_uint)g->spacing * LEAST_PROBES_ACROSS <= longer)
     g->spacing *= 2;
   g->columns = divided_up((cl_int)config->width - 1, g->spacing) + 1;
-  g->rows = divided_up((cl_int)config->height - 1, g->spacing) + 1;
+  /* of corners and of insides; below the last corners there is no cell */
+  g->lines = 2 * divided_up((cl_int)config->height - 1, g->spacing) + 1;
   out->bytes[BUFFER_PROBES] = out->bytes[BUFFER_FILTERED_PROBES] =
       out->bytes[BUFFER_PROBE_HISTORY] = out->bytes[BUFFER_PROBE_HISTORY_NEXT] =
           sizeof(cl_float) * HBIL_PROBE_FLOATS * (size_t)g->columns *
-          (size_t)g->rows;
+          (size_t)g->lines;
   if (out->glossy)
     out->bytes[BUFFER_GLOSSY_PROBES] = sizeof(cl_float) *
                                        HBIL_GLOSSY_PROBE_FLOATS *
-                                       (size_t)g->columns * (size_t)g->rows;
+                                       (size_t)g->columns * (size_t)g->lines;
 }
 
 /* Behind the light come planes that outputs ask for. */

@@ -274,7 +274,7 @@ hbil_status hbil_plan_buffer(const hbil_plan *plan, hbil_stage stage,
   if (stage == HBIL_STAGE_PROBE_HISTORY) {
     const hbil_probe_grid_args *grid = &l->probe_grid;
     out->row_pitch = HBIL_PROBE_FLOATS * (size_t)grid->columns;
-    out->plane_pitch = out->row_pitch * (size_t)grid->rows;
+    out->plane_pitch = out->row_pitch * (size_t)grid->lines;
     out->values = 1;
     return HBIL_SUCCESS;
   }

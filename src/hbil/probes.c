@@ -81,7 +81,7 @@ static hbil_status fill_probes(const hbil_plan *plan, commands *chain,
   if (kind->kernel == KERNEL_PROBE_RSM)
     list[count++] = (argument)ARG(lights);
   return launch_rows(chain, kind->kernel, list, count, 0,
-                     (size_t)args->grid.columns, (size_t)args->grid.rows, 1);
+                     (size_t)args->grid.columns, (size_t)args->grid.lines, 1);
 }
 
 /* Joins the filtered probes with those of the last frame. */
@@ -100,7 +100,7 @@ static hbil_status follow_probes(hbil_plan *plan, commands *chain,
       BUFFER_ARG(plan, BUFFER_PROBE_HISTORY + !past->last)};
   const hbil_status status =
       LAUNCH(chain, KERNEL_FOLLOW_PROBES, list, (size_t)args.grid.columns,
-             (size_t)args.grid.rows, 1);
+             (size_t)args.grid.lines, 1);
   past->written = status == HBIL_SUCCESS;
   return status;
 }
@@ -121,6 +121,6 @@ hbil_status enqueue_probes(hbil_plan *plan, commands *chain,
                          BUFFER_GLOSSY_PROBES);
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, KERNEL_FILTER_PROBES, filter,
-                    (size_t)args.grid.columns, (size_t)args.grid.rows, 1);
+                    (size_t)args.grid.columns, (size_t)args.grid.lines, 1);
   return status == HBIL_SUCCESS ? follow_probes(plan, chain, frame) : status;
 }

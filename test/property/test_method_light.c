@@ -142,6 +142,18 @@ static void facing_frame(setup *s, double distance) {
   setup_start(s);
 }
 
+/* Probes on surfaces: all those at corners of cells, and perhaps some inside.
+ */
+static int count_valid(const exact_probes *probes) {
+  int valid = 0;
+  for (int i = 0; i < probes->count; ++i) {
+    const bool is_inside = i / probes->columns % 2;
+    assert_true(probes->probe[i].valid || is_inside);
+    valid += probes->probe[i].valid;
+  }
+  return valid;
+}
+
 static void check_disc(const double eye[3], bool flat, cl_uint count,
                        double distance) {
   const double want = count * PI * DISC_RADIANCE * DISC_RADIUS * DISC_RADIUS /
@@ -159,10 +171,11 @@ static void check_disc(const double eye[3], bool flat, cl_uint count,
                                                     count, 0, NULL, NULL));
   setup_run(&s, hbil_enqueue_frame);
   exact_probes probes = lit_probes(&s, "filter_probes", 1);
-  const int number = probes.columns * probes.rows;
-  for (int i = 0; i < number; ++i) {
+  const int number = count_valid(&probes);
+  for (int i = 0; i < probes.count; ++i) {
     const exact_probe *p = probes.probe + i;
-    assert_true(p->valid);
+    if (!p->valid)
+      continue;
     mean += (irradiance_of(p, 0) + irradiance_of(p, 1) + irradiance_of(p, 2)) /
             (3.0 * number);
   }
@@ -307,11 +320,13 @@ static void volumes_read_out_an_even_environment(void **state) {
     update(s.frame.cache, HBIL_FAR_CONSTANT, 0.5f, 1000);
     setup_run(&s, hbil_enqueue_frame);
     exact_probes probes = lit_probes(&s, "filter_probes", 1);
-    for (int i = 0; i < probes.columns * probes.rows; ++i)
+    assert_true(count_valid(&probes) > 0);
+    for (int i = 0; i < probes.count; ++i)
       for (int c = 0; c < 3; ++c) {
         const exact_probe *p = probes.probe + i;
         const double want = 0.5 * (1 << c);
-        assert_true(p->valid);
+        if (!p->valid)
+          continue;
         worst[0] = fmax(worst[0], fabs(p->light[c][0] / want - 1.0));
         worst[1] =
             fmax(worst[1], fabs(irradiance_of(p, c) / (PI * want) - 1.0));
@@ -351,13 +366,14 @@ static void cones_fill_the_hemisphere(void **state) {
   see_sky(s.frame.cache);
   setup_run(&s, hbil_enqueue_frame);
   exact_probes probes = lit_probes(&s, "filter_probes", 1);
-  const int count = probes.columns * probes.rows;
-  for (int i = 0; i < count; ++i) {
+  const int count = count_valid(&probes);
+  for (int i = 0; i < probes.count; ++i) {
     const exact_probe *p = probes.probe + i;
     const double sum = 2.0 / 3.0 *
                        (p->known[1] * p->normal.x + p->known[2] * p->normal.y +
                         p->known[3] * p->normal.z);
-    assert_true(p->valid);
+    if (!p->valid)
+      continue;
     solid = fmax(solid, fabs(p->known[0] - 1.0));
     cosine = fmax(cosine, fabs(sum - 1.0));
     mean += sum / count;

@@ -71,10 +71,10 @@ exact_probes lit_probes(const setup *s, const char *kernel, cl_uint index) {
   shim_argument(makers[s->config.model.cache_method], 0, sizeof args, &args);
   assert_int_equal(args.grid.spacing, probes.spacing);
   assert_int_equal(args.grid.columns, probes.columns);
-  assert_int_equal(args.grid.rows, probes.rows);
+  assert_int_equal(args.grid.lines, probes.lines);
   shim_argument(kernel, index, sizeof buffer, &buffer);
   float *values = (float *)buffer_bytes(s->device, buffer, NULL);
-  for (int i = 0; i < probes.columns * probes.rows; ++i) {
+  for (int i = 0; i < probes.count; ++i) {
     const float *v = values + HBIL_PROBE_FLOATS * i;
     exact_probe *p = probes.probe + i;
     p->valid = v[HBIL_PROBE_VALID] != 0.0f;

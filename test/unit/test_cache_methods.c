@@ -321,10 +321,10 @@ static void check_probes(const lit_frame *l, const char *name,
   const exact_probes got = lit_probes(&l->s, "filter_probes", 1);
   double most = 0.0, worst[2] = {0.0, 0.0};
   int valid = 0, different = 0, lit = 0;
-  for (int i = 0; i < got.columns * got.rows; ++i)
+  for (int i = 0; i < got.count; ++i)
     for (int c = 0; c < 3; ++c)
       most = fmax(most, want->probe[i].light[c][0]);
-  for (int i = 0; i < got.columns * got.rows; ++i) {
+  for (int i = 0; i < got.count; ++i) {
     const exact_probe *p = want->probe + i;
     double off[3];
     assert_int_equal(got.probe[i].valid, p->valid);

@@ -15,28 +15,30 @@
 /* Probes and their filter                                                   */
 
 /* Rays that end elsewhere (test_cache_rays), or whose ends another pixel of the
- * frame shows, change a probe.  Measured: 1.3 %, of probes of 32 to 128
+ * frame shows, change a probe.  Measured: 2.0 %, of probes of 32 to 128
  * rays. */
-#define MOST_DIFFERENT 0.02
+#define MOST_DIFFERENT 0.03
 
 static void check_probes(lit_frame *l, const exact_planes *split) {
   const exact_probes got = lit_probes(&l->s, "filter_probes", 1);
   exact_probes want = lit_no_probes(&l->s);
-  int valid = 0, different = 0, known = 0, unknown = 0, told = 0;
+  int valid = 0, inside = 0, different = 0, known = 0, unknown = 0, told = 0;
   exact_make_probes(&l->s.job, &l->cache, split, &want);
-  for (int i = 0; i < got.columns * got.rows; ++i) {
+  for (int i = 0; i < got.count; ++i) {
     const exact_probe *p = want.probe + i;
     double off[3];
     assert_int_equal(got.probe[i].valid, p->valid);
     probe_difference(got.probe + i, p, off);
     assert_true(off[0] <= 3e-6 * fmax(1.0, vec_length(p->place)));
     valid += p->valid;
+    inside += p->valid && i / got.columns % 2;
     different += !(off[1] <= 3e-6 && off[2] <= 2e-5);
     known += p->known[0] > 0.0;
     unknown += p->unknown[0] > 0.0;
     told += p->guess[3] > 0.0;
   }
-  assert_true(valid > 50 && known > valid / 4 && unknown > valid / 4);
+  assert_true(valid > 50 && inside > 10 && known > valid / 4 &&
+              unknown > valid / 4);
   /* areas are asked where the frame is the far field */
   assert_true(l->s.config.model.far_field == HBIL_FAR_FRAME ? told > 5
                                                             : told == 0);
@@ -52,7 +54,7 @@ static void check_filter(lit_frame *l) {
   exact_probes want = lit_no_probes(&l->s);
   double worst[3] = {0.0, 0.0, 0.0};
   exact_filter_probes(&l->s.job, &made, &want);
-  for (int i = 0; i < got.columns * got.rows; ++i) {
+  for (int i = 0; i < got.count; ++i) {
     double off[3];
     assert_int_equal(got.probe[i].valid, want.probe[i].valid);
     probe_difference(got.probe + i, want.probe + i, off);
@@ -137,7 +139,7 @@ static void check_history(lit_frame *l, const hbil_camera *before,
   double worst = 0.0;
   int valid = 0, followed = 0, different = 0;
   exact_follow_probes(&l->s.job, before, &made, &past, &want);
-  for (int i = 0; i < got.columns * got.rows; ++i) {
+  for (int i = 0; i < got.count; ++i) {
     const exact_probe *p = got.probe + i;
     double off[3];
     assert_int_equal(p->valid, want.probe[i].valid);
@@ -339,7 +341,7 @@ static void handed_on_light_falls(void **state) {
 static void plant_probes(lit_frame *l, exact_probes *probes) {
   random_state r = {5};
   cl_mem buffer;
-  const int count = probes->columns * probes->rows;
+  const int count = probes->count;
   float *values = calloc((size_t)count * HBIL_PROBE_FLOATS, sizeof *values);
   assert_non_null(values);
   for (int i = 0; i < count; ++i) {
@@ -499,7 +501,7 @@ static void an_even_known_field_sends_pi_ao_l(void **state) {
     setup_start(&s);
     shim_skip_builds(false);
     assert_int_equal(exact_probes_create(&probes, &s.config), EXACT_SUCCESS);
-    for (int i = 0; i < probes.columns * probes.rows; ++i) {
+    for (int i = 0; i < probes.count; ++i) {
       exact_probe *p = probes.probe + i;
       p->valid = true;
       p->place = vec(0.1 * i, 0.0, 1.0 + i);

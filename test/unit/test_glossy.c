@@ -113,7 +113,7 @@ static exact_glossy_probe *probes_on_device(lit_frame *l, const char *kernel,
 static void check_probes(lit_frame *l, const exact_planes *split,
                          const exact_probes *probes,
                          const exact_glossy_probe *got) {
-  const int count = probes->columns * probes->rows;
+  const int count = probes->count;
   int valid = 0, different = 0, known = 0;
   exact_glossy_probe *want = calloc((size_t)count, sizeof *want);
   assert_non_null(want);
@@ -151,8 +151,8 @@ static void check_cached_frame(cl_uint width, hbil_far_field far,
   exact_planes want =
       checked_planes(LIT_WIDTH, LIT_HEIGHT, EXACT_OUTPUT_PLANES);
   exact_probes probes = lit_probes(&l.s, "composite", 19);
-  exact_glossy_probe *glossy = probes_on_device(
-      &l, "probe_glossy", 5, (size_t)probes.columns * (size_t)probes.rows);
+  exact_glossy_probe *glossy =
+      probes_on_device(&l, "probe_glossy", 5, (size_t)probes.count);
   check_probes(&l, &split, &probes, glossy);
   exact_estimate_frame(&l.s.job, &split, &gathered);
   l.s.job.probes = &probes;
