@@ -300,7 +300,7 @@ HBIL_ASSERT_LAYOUT(hbil_light_views_args, light, 1, 85)
  * more than this from its past (doc/measurements.md, "Light that stands
  * still"). */
 #define HBIL_PROBE_FRAMES 4
-#define HBIL_PROBE_CHANGE 0.35f
+#define HBIL_PROBE_CHANGE 0.25f
 /* A place has no past where the probes around it in the last frame are less
  * like it than this, together.  One that is as far from its plane as the
  * tolerance counts a quarter, so these are on other surfaces. */
