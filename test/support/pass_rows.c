@@ -99,7 +99,8 @@ static const part lobe_parts[] = {
      1e-5},
 };
 /* Measured: 2.7e-6 and, of bent normals, 1.2e-6.
- * Variances are off by what moves their means (measured: 3.2e-6). */
+ * Variances are off by what moves their means: measured, 3.2e-6, and 2.6e-5 at
+ * a pixel whose mean AO is off by 4.2e-5 (HBIL_STRESS_CASE=1795972092). */
 static const part resolved_parts[] = {
     {"AO", 0, 1, {RMSE, 1e-5}, {RMSE, 1e-5}, 1e-5},
     {"E_near", HBIL_LIGHT_RED, 3, {RMSE, 1e-5}, {RMSE, 1e-5}, 1e-5},
@@ -109,14 +110,14 @@ static const part resolved_parts[] = {
     {"variance of AO",
      EXACT_RESOLVED_ERRORS,
      1,
-     {ALL, 1e-5},
-     {ALL, 1e-5},
+     {ALL, 5e-5},
+     {ALL, 5e-5},
      1e-5},
     {"variance of E_near",
      EXACT_RESOLVED_ERRORS + 1,
      1,
-     {ALL, 1e-5},
-     {ALL, 1e-5},
+     {ALL, 5e-5},
+     {ALL, 5e-5},
      1e-5},
 };
 /* Derived: four roundings; a dozen of them. */
