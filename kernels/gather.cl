@@ -13,9 +13,11 @@
  * Out: light planes, in the layout of the split planes; for
  * hbil_plan_statistics(), which work was left out; the horizon cache.
  * Where frames share slices (gather/past_slices.clh): In: what the last frame
- * found, motion vectors.  Out: the same for the next frame.
+ * found, motion vectors, what the cache says of light that has fallen.  Out:
+ * the same for the next frame.
  */
 #include "gather/hemisphere.clh"
+#include "lib/cache_args.h"
 
 #if SHARES_SLICES
 #include "gather/past_slices.clh"
@@ -129,17 +131,16 @@ INLINE void search_set(const hbil_gather_args args, const receiver *c,
 }
 
 /* Gathers a span by this frame's slices and those of the last frames; by all
- * slices, where too many pixels have no others.  past, next: the whole buffers.
- */
+ * slices, where too many pixels have no others.  next: the whole buffer. */
 INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
                           global const hbil_step *table, const span_march *how,
                           const span_place *at, cache_cursor *cache,
-                          global const float *past, global const void *motion,
-                          global float *light, global float *next) {
+                          const slice_past *past, global float *light,
+                          global float *next) {
   slice_set sets[SLICE_FRAMES * SPAN_VECTORS];
   int shown = 0, missing = 0, turn = 0; /* turn: of frames */
   if (args.has_past)
-    turn = ((int)past[0] + 1) % SLICE_FRAMES;
+    turn = ((int)past->sets[0] + 1) % SLICE_FRAMES;
   for (int v = 0; v < SPAN_VECTORS; ++v) {
     const intv solid = c[v].w > SKY;
     for (int age = 1; age < SLICE_FRAMES; ++age)
@@ -148,7 +149,7 @@ INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
     missing += lanes_true(
         args.has_past && ANY(solid)
             ? solid & ~recall_sets(args, &c[v], at->x + v * HBIL_WIDTH, at->y,
-                                   at->layer, past, motion, sets + v)
+                                   at->layer, past, sets + v)
             : solid);
   }
   const int ages = MOST_MISSING * missing > shown ? SLICE_FRAMES : 1;
@@ -173,7 +174,8 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                    global const uint *bounds, global const uint *used_groups,
                    global uchar *span_states, global const uint *flags,
                    global float *whole_cache, global const float *past,
-                   global float *next, global const void *motion) {
+                   global float *next, global const void *motion,
+                   const hbil_fall_args fall, global const float *ratios) {
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
@@ -243,7 +245,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if SHARES_SLICES
   const span_place place = {
       x, y, layer, site, gathered_index, skipped & HBIL_SPAN_SKY, skips_all};
-  gather_shared(args, c, steps, &how, &place, cache, past, motion, light, next);
+  const slice_past last = {past, motion, fall,
+                           PROBES && light_falls(fall, ratios) ? ratios : 0};
+  gather_shared(args, c, steps, &how, &place, cache, &last, light, next);
 #else
   const int slices = skipped & HBIL_SPAN_SKY ? 0 : args.slices;
   for (int i = 0; i < slices; ++i) {

@@ -127,7 +127,7 @@ INLINE void radiance_of(const hbil_split_args args, const inputs *in, int x,
     realv share = args.exposure;
 #if PROBES
     if (in->ratios)
-      share *= fallen_light(in->fall, in->ratios, args.view, x, y,
+      share *= fallen_light(in->fall, in->ratios, args.view, x, y, 1,
                             depth_of(args, in, x, y, count));
 #endif
 #pragma unroll

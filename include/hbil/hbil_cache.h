@@ -45,9 +45,10 @@ extern "C" {
  *   what has not been seen, and their light is all that open directions get.
  *   What the cache's light adds to a frame is a mean over four frames, which
  *   follows the surfaces by the cameras and begins anew where it has changed by
- *   a third.  Nothing is averaged with HBIL_REPROJECTION_NONE.
+ *   a quarter.  Nothing is averaged with HBIL_REPROJECTION_NONE.
  *   Where the last update has found that a region has less light, the light
- *   that the last frame hands on falls by the same factor there.
+ *   that the last frame hands on falls by the same factor there, and so does
+ *   that of slices which frames share (sampling.slice_frames).
  *
  * ORDER
  *   Commands of a cache run in the order of the calls, like those of a plan,

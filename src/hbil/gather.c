@@ -8,6 +8,7 @@
 
 #include "camera.h"
 #include "checks.h"
+#include "fall.h"
 #include "glossy.h"
 #include "lib/sampling_pattern.h"
 #include "planes.h"
@@ -172,6 +173,8 @@ static hbil_status search(hbil_plan *plan, commands *chain,
                           const hbil_frame *frame, hbil_gather_args *args,
                           size_t top, size_t bottom, int kernel) {
   const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args->motion);
+  const cl_mem ratios = fall_ratios(frame);
+  const hbil_fall_args fall = fall_args(plan, frame);
   const argument list[] = {ARG(*args),
                            BUFFER_ARG(plan, BUFFER_SPLIT),
                            BUFFER_ARG(plan, BUFFER_STEPS),
@@ -183,7 +186,9 @@ static hbil_status search(hbil_plan *plan, commands *chain,
                            BUFFER_ARG(plan, BUFFER_HORIZON_CACHE),
                            BUFFER_ARG(plan, BUFFER_SLICES + plan->slices.last),
                            BUFFER_ARG(plan, BUFFER_SLICES + !plan->slices.last),
-                           ARG(motion)};
+                           ARG(motion),
+                           ARG(fall),
+                           ARG(ratios)};
   if (top == bottom)
     return HBIL_SUCCESS;
   return LAUNCH_ROWS(chain, kernel, list, top, plan->layout.spans, bottom - top,

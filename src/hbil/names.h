@@ -77,6 +77,8 @@
 #define fail hbil_internal_fail
 #define fail_cl hbil_internal_fail_cl
 #define fail_null hbil_internal_fail_null
+#define fall_args hbil_internal_fall_args
+#define fall_ratios hbil_internal_fall_ratios
 #define far_field_args hbil_internal_far_field_args
 #define far_radiance_args hbil_internal_far_radiance_args
 #define fill_memory hbil_internal_fill_memory

@@ -1,9 +1,9 @@
 /* split: the G-buffer in layers, and bounds of what is in them. */
 #include "passes.h"
 
-#include "cache.h"
 #include "camera.h"
 #include "checks.h"
+#include "fall.h"
 #include "planes.h"
 
 /* In kernels of single pixels a group is 4 pixels, so a cell of 64 x 64 pixels
@@ -100,35 +100,6 @@ static hbil_split_args split_args(const hbil_plan *plan,
   return args;
 }
 
-/* By what factors the last frame's light has fallen, as far as the cache knows.
- */
-static hbil_fall_args fall_args(const hbil_plan *plan,
-                                const hbil_frame *frame) {
-  const hbil_cache *cache = frame->cache;
-  const hbil_plan *last = plan->followed ? plan->followed : plan;
-  hbil_fall_args args = {.changed = CL_FALSE};
-  double centre[3];
-  if (!cache)
-    return args;
-  cache_centre(cache, centre);
-  args.cache = cache_args(cache);
-  args.to_cache =
-      camera_to_cache(&frame->camera, centre, cache_scale(cache), 1.0);
-  /* A resumed job has adopted its light and updated the cache since, like one
-   * that was never interrupted.  If it has not, its last update was one without
-   * new views, behind which nothing has fallen. */
-  args.changed =
-      plan->has_history &&
-      (plan->adopted ? cache->changes > 0
-                     : last->last_cache == cache &&
-                           last->last_cache_changes != cache->changes);
-  return args;
-}
-
-static cl_mem ratios_of(const hbil_frame *frame) {
-  return frame->cache ? frame->cache->buffers[CACHE_RATIOS] : NULL;
-}
-
 /* Static frames: nothing but light is new. */
 static hbil_status relight(hbil_plan *plan, commands *chain,
                            const hbil_frame *frame) {
@@ -138,7 +109,7 @@ static hbil_status relight(hbil_plan *plan, commands *chain,
       may_rest(plan, frame) && plan->static_frames == HBIL_EXACT_STATIC_FRAMES;
   plan->static_frames += plan->static_frames < HBIL_EXACT_STATIC_FRAMES;
   const hbil_fall_args fall = fall_args(plan, frame);
-  const cl_mem ratios = ratios_of(frame);
+  const cl_mem ratios = fall_ratios(frame);
   const argument list[] = {ARG(args),
                            ARG(fall),
                            ARG(ratios),
@@ -168,7 +139,7 @@ hbil_status enqueue_split(hbil_plan *plan, commands *chain,
   hbil_split_args args = split_args(plan, frame);
   const inputs in = bind_inputs(plan, frame, &args);
   const hbil_fall_args fall = fall_args(plan, frame);
-  const cl_mem ratios = ratios_of(frame);
+  const cl_mem ratios = fall_ratios(frame);
   const argument list[] = {ARG(args),
                            ARG(fall),
                            ARG(ratios),

@@ -4,6 +4,9 @@
 #include "test/support/random.h"
 #include "test/support/shim.h"
 
+#include "exact/camera.h"
+#include "exact/input.h"
+
 void lit_environment(setup *s) {
   random_state r = {31};
   for (int i = 0; i < 9; ++i)
@@ -44,6 +47,38 @@ void lit_free(lit_frame *l) {
   setup_free(&l->s);
   exact_cache_free(&l->cache);
   cache_free(&l->f);
+}
+
+/* --- light that has fallen --- */
+
+void lit_fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]) {
+  hbil_cache_update none;
+  hbil_cache_update_init(&none);
+  none.bounces = 0;
+  cache_touch(&l->f);
+  cache_update(&l->f, &none);
+  buffer_write(&shared_device, cache_memory(CACHE_RATIOS), 0,
+               HBIL_CACHE_REGIONS * sizeof *ratios, ratios);
+}
+
+double lit_fallen(const lit_frame *l, const float ratios[HBIL_CACHE_REGIONS],
+                  int x, int y) {
+  const double *m = l->s.job.camera.world_from_view;
+  const vec3 p =
+      exact_point(&l->s.job, x, y, exact_planar_depth(&l->s.job, x, y));
+  const vec3 at = exact_cache_from_world(
+      &l->cache, vec_add(exact_to_world(&l->s.job.camera, p), 1.0,
+                         vec(m[3], m[7], m[11])));
+  const double ratio = exact_cache_fallen(&l->cache, ratios, at);
+  for (int i = 0; i < 6; ++i) {
+    const double off = i & 1 ? 1e-3 : -1e-3;
+    const vec3 beside =
+        vec(at.x + (i / 2 == 0) * off, at.y + (i / 2 == 1) * off,
+            at.z + (i / 2 == 2) * off);
+    if (exact_cache_fallen(&l->cache, ratios, beside) != ratio)
+      return NAN;
+  }
+  return ratio;
 }
 
 /* --- probes on the device --- */

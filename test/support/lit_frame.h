@@ -25,6 +25,13 @@ void lit_prepare(lit_frame *l, hbil_cache_method method, cl_uint width,
                  scene_kind kind, hbil_projection projection,
                  hbil_far_field far_field);
 void lit_free(lit_frame *l);
+
+/* An update after which the regions of the cache have these factors. */
+void lit_fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]);
+/* What handed-on light of a pixel has fallen to; NAN so near to a region's
+ * border that a rounding decides. */
+double lit_fallen(const lit_frame *l, const float ratios[HBIL_CACHE_REGIONS],
+                  int x, int y);
 /* Light from everywhere, more of it from some sides. */
 void lit_environment(setup *s);
 

@@ -202,41 +202,14 @@ static void probes_are_followed(void **state) {
 /* ------------------------------------------------------------------------ */
 /* The light that the last frame hands on                                    */
 
-/* An update after which the regions of the cache have these factors. */
-static void fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]) {
-  hbil_cache_update none;
-  hbil_cache_update_init(&none);
-  none.bounces = 0;
-  cache_touch(&l->f);
-  cache_update(&l->f, &none);
-  buffer_write(&shared_device, cache_memory(CACHE_RATIOS), 0,
-               HBIL_CACHE_REGIONS * sizeof *ratios, ratios);
-}
-
-/* Multiplies handed-on light by what it has fallen to.  Pixels so near to a
- * region's border that a rounding decides become NaN, and are left out. */
+/* Multiplies handed-on light by what it has fallen to; see lit_fallen(). */
 static void dim(const lit_frame *l, const float ratios[HBIL_CACHE_REGIONS],
                 exact_planes *carried) {
-  const double *m = l->s.job.camera.world_from_view;
   for (int y = 0; y < LIT_HEIGHT; ++y)
-    for (int x = 0; x < LIT_WIDTH; ++x) {
-      const vec3 p =
-          exact_point(&l->s.job, x, y, exact_planar_depth(&l->s.job, x, y));
-      const vec3 at = exact_cache_from_world(
-          &l->cache, vec_add(exact_to_world(&l->s.job.camera, p), 1.0,
-                             vec(m[3], m[7], m[11])));
-      const double ratio = exact_cache_fallen(&l->cache, ratios, at);
-      bool near = false;
-      for (int i = 0; i < 6; ++i) {
-        const double off = i & 1 ? 1e-3 : -1e-3;
-        const vec3 beside =
-            vec(at.x + (i / 2 == 0) * off, at.y + (i / 2 == 1) * off,
-                at.z + (i / 2 == 2) * off);
-        near |= exact_cache_fallen(&l->cache, ratios, beside) != ratio;
-      }
+    for (int x = 0; x < LIT_WIDTH; ++x)
       for (int c = 0; c < 3; ++c)
-        *exact_at(carried, HBIL_CARRIED_RED + c, x, y) *= near ? NAN : ratio;
-    }
+        *exact_at(carried, HBIL_CARRIED_RED + c, x, y) *=
+            lit_fallen(l, ratios, x, y);
 }
 
 /* fallen: the factors that this frame finds; NULL: light has not fallen. */
@@ -306,7 +279,7 @@ static void check_falling(cl_uint width, hbil_projection projection,
     /* Frames behind an update; behind none; behind one more, without new views;
      * behind a reset. */
     if (i != 1)
-      fall(&l, ratios);
+      lit_fall(&l, ratios);
     if (i == 2)
       cache_update(&l.f, &none);
     if (i == 3)

@@ -3,7 +3,9 @@
  * a moving camera each pixel has what this frame's slices found and what the
  * last frames' found where the surface was, in double precision.
  */
+#include "test/support/lit_frame.h"
 #include "test/support/packing.h"
+#include "test/support/random.h"
 #include "test/support/stages.h"
 #include "test/support/vectors.h"
 
@@ -12,6 +14,7 @@
 #include <string.h>
 
 #include "exact/camera.h"
+#include "exact/input.h"
 
 #define WIDTH 128
 #define HEIGHT 54
@@ -117,7 +120,7 @@ static sets sets_read(setup *s) {
   h.origin = h.row + gathered.origin - gathered.row_pitch;
   assert_true(all.plane_pitch == size / sizeof(float) &&
               size / sizeof(float) >=
-                  h.origin + h.row * (size_t)((HEIGHT + 3) / 4));
+                  h.origin + h.row * (size_t)((s->config.height + 3) / 4));
   return h;
 }
 
@@ -463,6 +466,76 @@ static void two_frames_share_where_they_can(void **state) {
 
 /* A gather that shares slices follows them by motion vectors; another one asks
  * for none. */
+/* --- light that has fallen --- */
+
+/* The last frame's light of a pixel at rest falls; AO doesn't.  Returns whether
+ * that makes a difference to it. */
+static bool check_fallen(const sets *old, const sets *anew,
+                         const exact_planes *got, double ratio, int x, int y) {
+  const double w0 = of_set(anew, 0, anew->values, x, y);
+  const double w1 = of_set(old, 0, old->values, x, y);
+  double most = 0.0;
+  if (!(w1 > 0.0))
+    return false;
+  for (int p = 0; p < HBIL_LIGHT_BENT; ++p) {
+    const double left = p < HBIL_LIGHT_RED ? 1.0 : ratio;
+    const double now = w0 * of_set(anew, 0, p, x, y);
+    const double then = w1 * of_set(old, 0, p, x, y);
+    const double want = (now + left * then) / (w0 + w1);
+    if (!near(*exact_at(got, p, x, y), want))
+      fail_msg("(%d, %d), plane %d: %g, not %g", x, y, p,
+               *exact_at(got, p, x, y), want);
+    most = fmax(most, (1.0 - left) * then / (w0 + w1));
+  }
+  return most > 1e-3;
+}
+
+static void check_falling(cl_uint width, hbil_projection projection,
+                          hbil_reprojection reprojection) {
+  float ratios[HBIL_CACHE_REGIONS];
+  random_state r = {11};
+  lit_frame l;
+  int fallen = 0;
+  for (int i = 0; i < HBIL_CACHE_REGIONS; ++i)
+    ratios[i] = (float)(0.1 + 0.9 * random_unit(&r));
+  lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, width, SCENE_ROOM, projection,
+              HBIL_FAR_FRAME);
+  l.s.config.sampling.storage = HBIL_STORAGE_FLOAT32;
+  l.s.config.sampling.slices = 4;
+  l.s.config.sampling.slice_frames = 2;
+  l.s.config.history.reprojection = reprojection;
+  l.s.config.inputs.motion.component = HBIL_NONE;
+  setup_start(&l.s);
+  setup_run(&l.s, hbil_enqueue_frame);
+  setup_run(&l.s, hbil_enqueue_frame);
+  sets old = sets_read(&l.s);
+  lit_fall(&l, ratios);
+  setup_run(&l.s, hbil_enqueue_frame);
+  sets anew = sets_read(&l.s);
+  exact_planes got = stage_read(&l.s, HBIL_STAGE_GATHERED);
+  for (int y = 0; y < LIT_HEIGHT; y += anew.step)
+    for (int x = 0; x < LIT_WIDTH; x += anew.step) {
+      const double ratio = lit_fallen(&l, ratios, x, y);
+      if (!isnan(ratio) && !exact_is_sky(&l.s.job, x, y))
+        fallen += check_fallen(&old, &anew, &got, ratio, x, y);
+    }
+  assert_true(fallen > LIT_WIDTH * LIT_HEIGHT / 8);
+  free(old.words);
+  free(anew.words);
+  exact_planes_free(&got);
+  lit_free(&l);
+}
+
+static void light_of_the_last_slices_falls(void **state) {
+  static const cl_uint widths[] = {1, 4, 8, 16};
+  (void)state;
+  for (int i = 0; i < 4; ++i)
+    check_falling(widths[i],
+                  i == 2 ? HBIL_PROJECTION_ORTHOGRAPHIC
+                         : HBIL_PROJECTION_PERSPECTIVE,
+                  i == 3 ? HBIL_REPROJECTION_NONE : HBIL_REPROJECTION_CAMERA);
+}
+
 static void only_shared_slices_need_motion(void **state) {
   (void)state;
   for (cl_uint frames = 1; frames <= 2; ++frames) {
@@ -518,6 +591,7 @@ int main(void) {
       cmocka_unit_test(motion_vectors_are_followed),
       cmocka_unit_test(an_orthographic_camera_is_followed),
       cmocka_unit_test(two_frames_share_where_they_can),
+      cmocka_unit_test(light_of_the_last_slices_falls),
       cmocka_unit_test(only_shared_slices_need_motion),
       cmocka_unit_test(numbers_that_do_not_fit_are_rejected)};
   return RUN_WITH_DEVICE(tests);
