@@ -245,8 +245,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
 #if SHARES_SLICES
   const span_place place = {
       x, y, layer, site, gathered_index, skipped & HBIL_SPAN_SKY, skips_all};
-  const slice_past last = {past, motion, fall,
-                           PROBES && light_falls(fall, ratios) ? ratios : 0};
+  const slice_past last = {
+      past, motion, fall,
+      PROBES && args.has_past && light_falls(fall, ratios) ? ratios : 0};
   gather_shared(args, c, steps, &how, &place, cache, &last, light, next);
 #else
   const int slices = skipped & HBIL_SPAN_SKY ? 0 : args.slices;

@@ -479,8 +479,8 @@ typedef struct hbil_environment_args {
 } hbil_environment_args;
 HBIL_ASSERT_LAYOUT(hbil_environment_args, channel, 0, 27)
 
-/* Cells of `spacing` pixels, and lines of `columns` probes at their corners and
- * inside them (lib/probe_grid.clh); columns 0: there are none. */
+/* The grid of probes (lib/probe_grid.clh): cells of `spacing` pixels, and
+ * `lines` of `columns` probes each; columns 0: there are none. */
 typedef struct hbil_probe_grid_args {
   hbil_int spacing, columns, lines;
 } hbil_probe_grid_args;

@@ -1,6 +1,6 @@
 /*
- * filter_probes: each probe's functions become means with those around it, on
- * surfaces alike, so that a probe has the rays of up to sixty-one.
+ * filter_probes: averages each probe's functions with those of the probes
+ * around it on the same surface, so that it has the rays of up to sixty-one.
  *
  * Launch: x = columns of probes, y = lines.  In and out: HBIL_PROBE_FLOATS
  * floats a probe.

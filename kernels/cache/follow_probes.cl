@@ -43,7 +43,7 @@ INLINE past_probe find_past(const hbil_follow_args args,
   const float u = inv * to_subpixel(fma(view.fx, p.x * shrink, view.cx) - 0.5f);
   const float v = inv * to_subpixel(fma(view.fy, p.y * shrink, view.cy) - 0.5f);
   if (!(u > -1.0f && v > -1.0f && u < (float)grid.columns &&
-        v < (float)grid.lines))
+        v < (float)(grid.lines / 2 + 1)))
     return past;
   float total = 0.0f;
   /* four at corners of cells, four inside cells */

@@ -39,9 +39,10 @@ INLINE float4 mean_of_rays(const rays_sum *sum, int count) {
          (1.0f / (float)count);
 }
 
-/* Rays of a probe: twice or four times as many where few of the eight probes
- * at the corners around it stand on the same surface, so that the filter has
- * little to average over. */
+/* Rays of a probe: twice or four times as many where few of the eight corner
+ * probes around it stand on the same surface, so that the filter has little to
+ * average over.  For a probe inside a cell, these eight and the one that they
+ * surround, at the cell's first corner. */
 INLINE int rays_of_probe(const hbil_probes_args args, global const float *split,
                          const probe_place *probe) {
   const int line = (int)get_global_id(1);

@@ -297,13 +297,14 @@ HBIL_ASSERT_LAYOUT(hbil_light_views_args, light, 1, 85)
 #define HBIL_PROBE_TILE 3
 
 /* So many frames of probes are averaged, unless something of a probe differs by
- * more than this from its past (doc/measurements.md, "Light that stands
- * still"). */
+ * more than this from its past (doc/measurements.md, "Changes where nothing
+ * changes"). */
 #define HBIL_PROBE_FRAMES 4
 #define HBIL_PROBE_CHANGE 0.25f
-/* A place has no past where the probes around it in the last frame are less
- * like it than this, together.  One that is as far from its plane as the
- * tolerance counts a quarter, so these are on other surfaces. */
+/* Surfaces less alike than this are taken for different ones: a place whose
+ * probes around it in the last frame are, together, has no past, and a pixel
+ * that none of the probes at its cell's corners is like gets one.  A surface as
+ * far from a probe's plane as the tolerance counts a quarter. */
 #define HBIL_PROBE_LEAST_LIKENESS 0.05f
 
 /* Rays of a probe for the output `glossy`, and the floats of such a probe.

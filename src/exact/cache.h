@@ -201,8 +201,8 @@ typedef struct exact_probe {
 } exact_probe;
 
 /* Probes stand at the corners of cells of `spacing` pixels, and some cells have
- * one more inside.  Line 2 i has the corners of row i, line 2 i + 1 the insides
- * of the cells below. */
+ * one more inside.  Line 2 i has the corners of row i, and line 2 i + 1 the
+ * insides of the cells between the rows i and i + 1. */
 typedef struct exact_probes {
   int spacing, columns, lines, count;
   exact_probe *probe; /* owned; line by line */
@@ -238,8 +238,8 @@ typedef struct exact_probe_light {
 /* The mean of (1, direction) over the open directions, a share `ao` of the
  * hemisphere about the bent normal. */
 void exact_open_mean(double ao, vec3 bent, double mean[4]);
-/* The weight of probe i at a place, in cells of the picture: bilinear about its
- * corner or about its cell's middle, and zero `reach` cells away. */
+/* The weight of probe i at a place that is given in cells: a tent about its
+ * corner or its cell's middle, zero `reach` cells away. */
 double exact_probe_tent(const exact_probes *probes, int i, double across,
                         double down, double reach);
 /* The weight at a pixel; 0 where the probe isn't valid. */

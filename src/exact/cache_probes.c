@@ -204,9 +204,9 @@ static exact_probe probe_on(const surface *s) {
   return (exact_probe){.valid = s->is, .place = s->at, .normal = s->normal};
 }
 
-/* Of the pixels of a cell at odd eighths of its width, in an order that goes
- * from the middle outwards and all over the cell, the first whose surface is
- * not that of a probe at a corner. */
+/* Looks at sixteen pixels, at 1/8, 3/8, 5/8 and 7/8 of the cell each way, one
+ * of the middle first.  Takes the first one whose surface no corner probe
+ * stands on. */
 static surface cell_surface(const exact_frame *frame, const exact_planes *split,
                             const exact_probes *probes, int column, int row) {
   static const int order[16] = {5,  10, 15, 4,  9, 14, 3,  8,
@@ -252,8 +252,9 @@ void exact_place_probes(const exact_frame *frame, const exact_planes *split,
   }
 }
 
-/* Where few of the probes at the corners around stand on the same surface,
- * there are more rays. */
+/* Where few of the corner probes around stand on the same surface, there are
+ * more rays.  For a probe inside a cell, these are the nine about the cell's
+ * first corner. */
 static int rays_of_probe(const exact_frame *frame, const exact_planes *split,
                          const exact_probes *probes, int number) {
   const exact_probe *p = probes->probe + number;

@@ -16,8 +16,8 @@ hbil_fall_args fall_args(const hbil_plan *plan, const hbil_frame *frame) {
   args.to_cache =
       camera_to_cache(&frame->camera, centre, cache_scale(cache), 1.0);
   /* A resumed job has adopted its light and updated the cache since, like one
-   * that was never interrupted.  If it has not, its last update was one without
-   * new views, behind which nothing has fallen. */
+   * that was never interrupted.  If it has not, its last update had no new
+   * views, so no light has fallen. */
   args.changed =
       (plan->has_history || plan->slices.has) &&
       (plan->adopted ? cache->changes > 0

@@ -1,7 +1,7 @@
 /*
- * By what factors the last frame's light has fallen, as far as the radiance
- * cache knows (kernels/lib/fallen_light.clh): for the light that frames hand on
- * (split) and for that of slices that they share (gather).
+ * The factors by which light has fallen since the last frame, as far as the
+ * radiance cache knows (kernels/lib/fallen_light.clh).  split multiplies the
+ * light that the last frame hands on, gather that of slices which frames share.
  */
 #ifndef HBIL_FALL_H
 #define HBIL_FALL_H

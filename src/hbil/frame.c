@@ -101,7 +101,7 @@ static hbil_status check_arguments(hbil_plan *plan, const char *function,
 }
 
 /* The light that this frame hands on falls by what the cache learns from now on
- * (split.c). */
+ * (fall.h). */
 static void remember_cache(hbil_plan *plan, const hbil_cache *cache) {
   plan->last_cache = cache;
   plan->last_cache_changes = cache ? cache->changes : 0;

@@ -264,7 +264,8 @@ static void lay_out_probes(const hbil_config *config, layout *out) {
   while (2 * (cl_uint)g->spacing * LEAST_PROBES_ACROSS <= longer)
     g->spacing *= 2;
   g->columns = divided_up((cl_int)config->width - 1, g->spacing) + 1;
-  /* of corners and of insides; below the last corners there is no cell */
+  /* lines of corners and of insides alternate; no cells lie below the last
+   * corners */
   g->lines = 2 * divided_up((cl_int)config->height - 1, g->spacing) + 1;
   out->bytes[BUFFER_PROBES] = out->bytes[BUFFER_FILTERED_PROBES] =
       out->bytes[BUFFER_PROBE_HISTORY] = out->bytes[BUFFER_PROBE_HISTORY_NEXT] =

@@ -92,9 +92,9 @@ void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
     plan->has_history = true;
     plan->history = next_history(plan) - BUFFER_HISTORY;
     plan->history_camera = frame->camera;
-    plan->followed = NULL;
-    plan->adopted = false;
   }
+  plan->followed = NULL;
+  plan->adopted = false;
   alternate(&plan->slices, frame, !plan->searched_all);
   alternate(&plan->probes, frame, frame->cache && carries_over(plan));
 }

@@ -142,8 +142,7 @@ static void facing_frame(setup *s, double distance) {
   setup_start(s);
 }
 
-/* Probes on surfaces: all those at corners of cells, and perhaps some inside.
- */
+/* Counts the valid probes.  All corners must be valid; insides may be. */
 static int count_valid(const exact_probes *probes) {
   int valid = 0;
   for (int i = 0; i < probes->count; ++i) {

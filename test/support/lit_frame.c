@@ -142,3 +142,14 @@ void probe_difference(const exact_probe *a, const exact_probe *b,
         fmax(off[k < 3 ? 2 : 1], fabs(a->guess[k] - b->guess[k]));
   }
 }
+
+bool same_place(const exact_probes *got, int i, const exact_probe *want) {
+  const exact_probe *p = got->probe + i;
+  const double off = fmax(vec_length(vec_add(p->place, -1.0, want->place)),
+                          vec_length(vec_add(p->normal, -1.0, want->normal)));
+  const bool same = p->valid == want->valid &&
+                    off <= 3e-6 * fmax(1.0, vec_length(want->place));
+  const bool is_inside = i / got->columns % 2;
+  assert_true(same || is_inside);
+  return same;
+}

@@ -26,10 +26,10 @@ void lit_prepare(lit_frame *l, hbil_cache_method method, cl_uint width,
                  hbil_far_field far_field);
 void lit_free(lit_frame *l);
 
-/* An update after which the regions of the cache have these factors. */
+/* Updates the cache, then sets the factors of its regions. */
 void lit_fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]);
-/* What handed-on light of a pixel has fallen to; NAN so near to a region's
- * border that a rounding decides. */
+/* The factor for the light that the last frame hands on to a pixel; NAN so near
+ * to a region's border that a rounding decides. */
 double lit_fallen(const lit_frame *l, const float ratios[HBIL_CACHE_REGIONS],
                   int x, int y);
 /* Light from everywhere, more of it from some sides. */
@@ -42,5 +42,9 @@ exact_probes lit_probes(const setup *s, const char *kernel, cl_uint index);
 /* The largest differences of places and normals, of shares, and of light. */
 void probe_difference(const exact_probe *a, const exact_probe *b,
                       double off[3]);
+/* Whether probe i stands where the exact one does.  Which pixel of a cell has a
+ * probe may be decided by a rounding; a corner's pixel isn't, so this fails the
+ * test if a corner's probe stands elsewhere. */
+bool same_place(const exact_probes *got, int i, const exact_probe *want);
 
 #endif

@@ -99,7 +99,7 @@ static const part lobe_parts[] = {
      1e-5},
 };
 /* Measured: 2.7e-6 and, of bent normals, 1.2e-6.
- * Variances are off by what moves their means: measured, 3.2e-6, and 2.6e-5 at
+ * Errors of variances follow those of means.  Measured: 3.2e-6, and 2.6e-5 at
  * a pixel whose mean AO is off by 4.2e-5 (HBIL_STRESS_CASE=1795972092). */
 static const part resolved_parts[] = {
     {"AO", 0, 1, {RMSE, 1e-5}, {RMSE, 1e-5}, 1e-5},

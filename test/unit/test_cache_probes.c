@@ -27,10 +27,12 @@ static void check_probes(lit_frame *l, const exact_planes *split) {
   for (int i = 0; i < got.count; ++i) {
     const exact_probe *p = want.probe + i;
     double off[3];
-    assert_int_equal(got.probe[i].valid, p->valid);
     probe_difference(got.probe + i, p, off);
-    assert_true(off[0] <= 3e-6 * fmax(1.0, vec_length(p->place)));
     valid += p->valid;
+    if (!same_place(&got, i, p)) {
+      ++different;
+      continue;
+    }
     inside += p->valid && i / got.columns % 2;
     different += !(off[1] <= 3e-6 && off[2] <= 2e-5);
     known += p->known[0] > 0.0;

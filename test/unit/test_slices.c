@@ -464,8 +464,6 @@ static void two_frames_share_where_they_can(void **state) {
   assert_int_equal(hbil_config_slice_frames(&c), 1);
 }
 
-/* A gather that shares slices follows them by motion vectors; another one asks
- * for none. */
 /* --- light that has fallen --- */
 
 /* The last frame's light of a pixel at rest falls; AO doesn't.  Returns whether
@@ -490,12 +488,32 @@ static bool check_fallen(const sets *old, const sets *anew,
   return most > 1e-3;
 }
 
+/* Runs a frame whose last one's light has fallen by these factors; NULL: it
+ * hasn't.  Returns in how many pixels that makes a difference. */
+static int check_next(lit_frame *l, const float *ratios) {
+  int fallen = 0;
+  sets old = sets_read(&l->s);
+  setup_run(&l->s, hbil_enqueue_frame);
+  sets anew = sets_read(&l->s);
+  exact_planes got = stage_read(&l->s, HBIL_STAGE_GATHERED);
+  for (int y = 0; y < LIT_HEIGHT; y += anew.step)
+    for (int x = 0; x < LIT_WIDTH; x += anew.step) {
+      const double ratio = ratios ? lit_fallen(l, ratios, x, y) : 1.0;
+      if (!isnan(ratio) && !exact_is_sky(&l->s.job, x, y))
+        fallen += check_fallen(&old, &anew, &got, ratio, x, y);
+    }
+  free(old.words);
+  free(anew.words);
+  exact_planes_free(&got);
+  return fallen;
+}
+
 static void check_falling(cl_uint width, hbil_projection projection,
                           hbil_reprojection reprojection) {
   float ratios[HBIL_CACHE_REGIONS];
   random_state r = {11};
+  hbil_last_frame last;
   lit_frame l;
-  int fallen = 0;
   for (int i = 0; i < HBIL_CACHE_REGIONS; ++i)
     ratios[i] = (float)(0.1 + 0.9 * random_unit(&r));
   lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, width, SCENE_ROOM, projection,
@@ -508,21 +526,15 @@ static void check_falling(cl_uint width, hbil_projection projection,
   setup_start(&l.s);
   setup_run(&l.s, hbil_enqueue_frame);
   setup_run(&l.s, hbil_enqueue_frame);
-  sets old = sets_read(&l.s);
   lit_fall(&l, ratios);
-  setup_run(&l.s, hbil_enqueue_frame);
-  sets anew = sets_read(&l.s);
-  exact_planes got = stage_read(&l.s, HBIL_STAGE_GATHERED);
-  for (int y = 0; y < LIT_HEIGHT; y += anew.step)
-    for (int x = 0; x < LIT_WIDTH; x += anew.step) {
-      const double ratio = lit_fallen(&l, ratios, x, y);
-      if (!isnan(ratio) && !exact_is_sky(&l.s.job, x, y))
-        fallen += check_fallen(&old, &anew, &got, ratio, x, y);
-    }
-  assert_true(fallen > LIT_WIDTH * LIT_HEIGHT / 8);
-  free(old.words);
-  free(anew.words);
-  exact_planes_free(&got);
+  assert_true(check_next(&l, ratios) > LIT_WIDTH * LIT_HEIGHT / 8);
+  /* a frame behind no update */
+  assert_true(check_next(&l, NULL) == 0);
+  /* a job that is resumed behind an update, and its next frame */
+  assert_success(&l.s, hbil_plan_last_frame(l.s.plan, &last));
+  assert_success(&l.s, hbil_plan_adopt_history(l.s.plan, &last));
+  assert_true(check_next(&l, ratios) > LIT_WIDTH * LIT_HEIGHT / 8);
+  assert_true(check_next(&l, NULL) == 0);
   lit_free(&l);
 }
 
@@ -536,6 +548,8 @@ static void light_of_the_last_slices_falls(void **state) {
                   i == 3 ? HBIL_REPROJECTION_NONE : HBIL_REPROJECTION_CAMERA);
 }
 
+/* A gather that shares slices follows them by motion vectors; another one asks
+ * for none. */
 static void only_shared_slices_need_motion(void **state) {
   (void)state;
   for (cl_uint frames = 1; frames <= 2; ++frames) {
