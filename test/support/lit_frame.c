@@ -51,6 +51,12 @@ void lit_free(lit_frame *l) {
 
 /* --- light that has fallen --- */
 
+void lit_draw_factors(uint64_t seed, float ratios[HBIL_CACHE_REGIONS]) {
+  random_state r = {seed};
+  for (int i = 0; i < HBIL_CACHE_REGIONS; ++i)
+    ratios[i] = (float)(0.1 + 0.9 * random_unit(&r));
+}
+
 void lit_fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]) {
   hbil_cache_update none;
   hbil_cache_update_init(&none);

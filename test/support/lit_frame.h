@@ -26,6 +26,8 @@ void lit_prepare(lit_frame *l, hbil_cache_method method, cl_uint width,
                  hbil_far_field far_field);
 void lit_free(lit_frame *l);
 
+/* Random factors for the regions of a cache. */
+void lit_draw_factors(uint64_t seed, float ratios[HBIL_CACHE_REGIONS]);
 /* Updates the cache, then sets the factors of its regions. */
 void lit_fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]);
 /* The factor for the light that the last frame hands on to a pixel; NAN so near

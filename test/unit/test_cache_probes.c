@@ -264,10 +264,8 @@ static void check_handed_on(lit_frame *l, const float *fallen) {
 static void check_falling(cl_uint width, hbil_projection projection,
                           bool is_static) {
   float ratios[HBIL_CACHE_REGIONS];
-  random_state r = {9};
   lit_frame l;
-  for (int i = 0; i < HBIL_CACHE_REGIONS; ++i)
-    ratios[i] = (float)(0.1 + 0.9 * random_unit(&r));
+  lit_draw_factors(9, ratios);
   lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, width, SCENE_ROOM, projection,
               HBIL_FAR_FRAME);
   l.s.config.sampling.storage = HBIL_STORAGE_FLOAT32;

@@ -5,7 +5,6 @@
  */
 #include "test/support/lit_frame.h"
 #include "test/support/packing.h"
-#include "test/support/random.h"
 #include "test/support/stages.h"
 #include "test/support/vectors.h"
 
@@ -511,11 +510,9 @@ static int check_next(lit_frame *l, const float *ratios) {
 static void check_falling(cl_uint width, hbil_projection projection,
                           hbil_reprojection reprojection) {
   float ratios[HBIL_CACHE_REGIONS];
-  random_state r = {11};
   hbil_last_frame last;
   lit_frame l;
-  for (int i = 0; i < HBIL_CACHE_REGIONS; ++i)
-    ratios[i] = (float)(0.1 + 0.9 * random_unit(&r));
+  lit_draw_factors(11, ratios);
   lit_prepare(&l, HBIL_CACHE_METHOD_RAYS, width, SCENE_ROOM, projection,
               HBIL_FAR_FRAME);
   l.s.config.sampling.storage = HBIL_STORAGE_FLOAT32;
