@@ -8,7 +8,8 @@
 #
 #   changes.sh ./hbil FOLDER SEQUENCE,GAIN,TEXT...
 #
-# GAIN multiplies the light in its pictures.
+# GAIN multiplies the light in its pictures.  In doc/changes.png it is, sequence by
+# sequence, 1, 1.6, 1.7, 2, 3.2, 3.4, 1.8 and 1.4.
 set -eu
 hbil=$1 folder=$2
 shift 2
