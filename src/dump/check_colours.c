@@ -9,14 +9,14 @@
  * ones occur.  Of other values one in seven is a multiple to the 0.07 that half
  * floats leave.
  */
-static int is_eight_bit(const gbuffer *g, role r) {
-  const size_t pixels = (size_t)g->planes.width * g->planes.height;
+static int is_eight_bit(const surface_points *s, role r) {
+  const gbuffer *g = s->g;
   unsigned char seen[256] = {0};
   size_t values = 0, whole = 0;
   int levels = 0;
   for (size_t c = 0; c < g->map.count[r]; c++) {
     const float *v = gbuffer_plane(g, r, c);
-    for (size_t i = 0; i < pixels; i++) {
+    for (size_t i = 0; i < gbuffer_pixels(g); i = surface_next(s, i)) {
       const double parts = (double)v[i] * 255.0;
       if (!(parts >= 8.0 && parts <= 255.5))
         continue;
@@ -33,9 +33,8 @@ static int is_eight_bit(const gbuffer *g, role r) {
 /* Whether the sky has direct light.  A pass of diffuse light is black there. */
 static int lights_sky(const surface_points *s) {
   const size_t width = s->g->planes.width;
-  const size_t pixels = width * s->g->planes.height;
   size_t sky = 0, with_light = 0;
-  for (size_t i = 0; i < pixels; i++) {
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i = surface_next(s, i)) {
     if (surface_depth(s, i % width, i / width) > 0.0)
       continue;
     sky++;
@@ -45,7 +44,7 @@ static int lights_sky(const surface_points *s) {
         break;
       }
   }
-  return sky > pixels / 100 && with_light > sky / 2;
+  return sky > surface_looks(s) / 100 && with_light > sky / 2;
 }
 
 /* Whether a surface's pixel reflects light diffusely, and sends no light. */
@@ -71,7 +70,7 @@ static void check_black(const surface_points *s, findings *out) {
   const gbuffer *g = s->g;
   const size_t width = g->planes.width;
   size_t surfaces = 0, black = 0;
-  for (size_t i = 0; i < gbuffer_pixels(g); i++)
+  for (size_t i = 0; i < gbuffer_pixels(g); i = surface_next(s, i))
     if (surface_depth(s, i % width, i / width) > 0.0 && is_covered(g, i)) {
       float emission = 0.0f;
       for (size_t c = 0; c < g->map.count[ROLE_EMISSION]; c++)
@@ -96,12 +95,12 @@ static void check_black(const surface_points *s, findings *out) {
  */
 static int lights_everything(const surface_points *s) {
   const gbuffer *g = s->g;
-  const size_t width = g->planes.width, pixels = gbuffer_pixels(g);
+  const size_t width = g->planes.width;
   double roots = 0.0;
   size_t surfaces = 0, dark = 0, sky = 0;
   for (int pass = 0; pass < 2; pass++) {
     const double root = surfaces ? roots / (double)surfaces : 0.0;
-    for (size_t i = 0; i < pixels; i++) {
+    for (size_t i = 0; i < gbuffer_pixels(g); i = surface_next(s, i)) {
       double light = 0.0;
       if (!(surface_depth(s, i % width, i / width) > 0.0)) {
         sky += !pass;
@@ -117,14 +116,14 @@ static int lights_everything(const surface_points *s) {
       roots += pass ? 0.0 : sqrt(light);
     }
   }
-  return roots > 0.0 && 20 * sky < pixels && 500 * dark < surfaces;
+  return roots > 0.0 && 20 * sky < surface_looks(s) && 500 * dark < surfaces;
 }
 
 void check_colours(const surface_points *s, findings *out) {
   static const role roles[] = {ROLE_ALBEDO, ROLE_DIRECT};
   const channel_map *map = &s->g->map;
   for (size_t k = 0; k < 2; k++)
-    if (!map->gamma[roles[k]] && is_eight_bit(s->g, roles[k]))
+    if (!map->gamma[roles[k]] && is_eight_bit(s, roles[k]))
       findings_add(
           out,
           "%s has whole parts of 255, as pictures with eight bits a channel "

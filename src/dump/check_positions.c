@@ -100,7 +100,7 @@ static void compare_position(const surface_points *s, size_t i, double unit,
 static double error_in_units(const surface_points *s, double unit) {
   const size_t width = s->g->planes.width;
   double worst = 0, in_file[3], rebuilt[3];
-  for (size_t i = 0; i < width * s->g->planes.height; i++) {
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i = surface_next(s, i)) {
     if (!(surface_depth(s, i % width, i / width) > 0.0))
       continue;
     compare_position(s, i, unit, in_file, rebuilt);
@@ -117,7 +117,7 @@ static double units_of_pixels(const surface_points *s) {
   const size_t width = s->g->planes.width;
   double n = 0, sum[2] = {0}, sum_file[2] = {0}, square = 0, product = 0;
   double in_file[3], rebuilt[3];
-  for (size_t i = 0; i < width * s->g->planes.height; i++) {
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i = surface_next(s, i)) {
     if (!(surface_depth(s, i % width, i / width) > 0.0))
       continue;
     compare_position(s, i, 1, in_file, rebuilt);
@@ -195,7 +195,7 @@ static double nine_tenths(double *values, size_t count) {
 
 static void compare(const surface_points *s, offsets *o, findings *out) {
   const size_t width = s->g->planes.width;
-  for (size_t i = 0; i < gbuffer_pixels(s->g); i++)
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i = surface_next(s, i))
     if (surface_depth(s, i % width, i / width) > 0.0)
       add_position(s, i % width, i / width, o);
   if (!o->count)
@@ -208,7 +208,7 @@ static void compare(const surface_points *s, offsets *o, findings *out) {
 }
 
 double check_positions(const surface_points *s, findings *out) {
-  const size_t pixels = gbuffer_pixels(s->g);
+  const size_t pixels = surface_looks(s);
   offsets o = {.most = NAN};
   if (s->g->map.count[ROLE_POSITION] < 3 ||
       s->g->map.how.depth == DEPTH_POSITION)

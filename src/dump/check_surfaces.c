@@ -28,10 +28,6 @@ typedef struct depth_lines {
   size_t clean, mixed;     /* edges without and with a pixel between */
 } depth_lines;
 
-/* Rows and columns of larger pictures are left out, so that about so many
- * pixels are measured in either. */
-enum { PIXELS_MEASURED = 1 << 17 };
-
 /* Widths of a pixel that lie between both sides of an edge, at least. */
 static const double edge_depth = 6.0;
 /* A pixel belongs to a side if it is off by less than this share of the way to
@@ -167,15 +163,13 @@ static double blur_at(const surface_points *s, size_t i) {
 }
 
 /* room: for as many numbers as are measured. */
-static double measure_blur(const surface_points *s, size_t stride,
-                           double *room) {
-  const size_t width = s->g->planes.width;
+static double measure_blur(const surface_points *s, double *room) {
   size_t count = 0;
   if (s->g->map.count[ROLE_POSITION] < 3 ||
       s->g->map.how.depth == DEPTH_POSITION)
     return NAN;
-  for (size_t i = 0; i < gbuffer_pixels(s->g); i++)
-    if (i / width % stride == 0 && !isnan(depth_at(s, i)))
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i = surface_next(s, i))
+    if (!isnan(depth_at(s, i)))
       room[count++] = blur_at(s, i);
   return count ? select_nth(room, count, count * 9 / 10) : NAN;
 }
@@ -192,7 +186,7 @@ static void measure(depth_lines *l, size_t stride) {
 
 int surface_check_measure(const surface_points *s, surface_check *out) {
   const size_t width = s->g->planes.width, height = s->g->planes.height;
-  const size_t stride = gbuffer_pixels(s->g) / PIXELS_MEASURED + 1;
+  const size_t stride = s->row_step; /* of columns as well */
   const size_t most =
       (height / stride + 1) * width + (width / stride + 1) * height;
   depth_lines l = {.s = s,
@@ -204,7 +198,7 @@ int surface_check_measure(const surface_points *s, surface_check *out) {
   if (!failed) {
     measure(&l, stride);
     conclude(&l, out);
-    out->blur = measure_blur(s, stride, l.second);
+    out->blur = measure_blur(s, l.second);
   }
   free(l.second);
   free(l.fourth);

@@ -45,7 +45,7 @@ static extent measure(const surface_points *s) {
   extent e = {.low = {INFINITY, INFINITY, INFINITY},
               .high = {-INFINITY, -INFINITY, -INFINITY}};
   const matrix3 h = surface_view_from_normals(s);
-  for (size_t i = 0; i < gbuffer_pixels(s->g); i++)
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i = surface_next(s, i))
     measure_pixel(s, &h, i, &e);
   return e;
 }
@@ -73,12 +73,16 @@ static void check_radius(const surface_points *s, const extent *e,
 
 void frame_check_run(const gbuffer *g, const hbil_config *config,
                      const hbil_camera *camera, frame_check *out) {
-  const surface_points s = surface_points_of(g, camera);
+  surface_points s = surface_points_of(g, camera);
   memset(out, 0, sizeof *out);
   out->agreement = out->positions = NAN;
   const int other_camera = check_positions_camera(&s, &out->found);
-  const extent e = measure(&s);
-  out->surface = (double)e.surface / (double)gbuffer_pixels(g);
+  extent e = measure(&s);
+  if (e.surface == 0) { /* a small one may lie between the rows */
+    s.row_step = 1;
+    e = measure(&s);
+  }
+  out->surface = (double)e.surface / (double)surface_looks(&s);
   if (e.surface == 0 && other_camera)
     return;
   if (e.surface == 0) {

@@ -9,8 +9,23 @@ int surface_rays_are_parallel(const surface_points *s) {
   return s->g->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
 }
 
+/* Pixels that a check looks at, about. */
+enum { PIXELS_MEASURED = 1 << 17 };
+
+size_t surface_next(const surface_points *s, size_t i) {
+  const size_t width = s->g->planes.width;
+  return i + 1 + ((i + 1) % width ? 0 : (s->row_step - 1) * width);
+}
+
+size_t surface_looks(const surface_points *s) {
+  const size_t height = s->g->planes.height;
+  return (height + s->row_step - 1) / s->row_step * s->g->planes.width;
+}
+
 surface_points surface_points_of(const gbuffer *g, const hbil_camera *camera) {
-  surface_points s = {.g = g, .camera = camera};
+  surface_points s = {.g = g,
+                      .camera = camera,
+                      .row_step = gbuffer_pixels(g) / PIXELS_MEASURED + 1};
   hbil_config config;
   hbil_config_init(&config);
   channel_map_configure(&g->map, &config);

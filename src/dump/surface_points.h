@@ -10,6 +10,7 @@ typedef struct surface_points {
   const hbil_camera *camera;
   hbil_inputs inputs;       /* how the library reads its planes */
   double hardware_depth[2]; /* as in hbil_frame */
+  size_t row_step;          /* see surface_next() */
 } surface_points;
 
 /* camera: of g's map, or another one that is tried. */
@@ -17,6 +18,14 @@ surface_points surface_points_of(const gbuffer *g, const hbil_camera *camera);
 
 /* Whether all rays are parallel: the camera is orthographic. */
 int surface_rays_are_parallel(const surface_points *s);
+
+/* The pixel after i that a check looks at.  Checks tell shares of a picture,
+ * for which some hundred thousand pixels are enough: of larger pictures they
+ * see every row_step-th row. */
+size_t surface_next(const surface_points *s, size_t i);
+
+/* How many pixels that are, from the first one on. */
+size_t surface_looks(const surface_points *s);
 
 /* The planar depth of a pixel; 0 if it shows no surface.  The library decodes
  * depth on the device.  The host does it here alone, for what happens before a
