@@ -96,11 +96,11 @@ static void measure_edge(depth_lines *l, size_t i, size_t step, double at,
     l->mixed++;
 }
 
-/* Five pixels in a row or a column, about pixel i. */
-static void measure_five(depth_lines *l, size_t i, size_t step) {
-  const double a = depth_at(l->s, i - 2 * step), b = depth_at(l->s, i - step);
-  const double c = depth_at(l->s, i), d = depth_at(l->s, i + step);
-  const double e = depth_at(l->s, i + 2 * step);
+/* depth: of five pixels in a row or a column, about pixel i. */
+static void measure_five(depth_lines *l, size_t i, size_t step,
+                         const double depth[5]) {
+  const double a = depth[0], b = depth[1], c = depth[2], d = depth[3],
+               e = depth[4];
   const double before = 2 * b - a, gap = 2 * d - e - before;
   const double unit = pixel_width(l->s, fmin(b, d));
   const double bent = fabs(b + d - 2 * c) / unit;
@@ -174,14 +174,23 @@ static double measure_blur(const surface_points *s, double *room) {
   return count ? select_nth(room, count, count * 9 / 10) : NAN;
 }
 
+/* A row or a column from pixel i on. */
+static void measure_line(depth_lines *l, size_t i, size_t step, size_t count) {
+  double depth[5] = {0};
+  for (size_t k = 0; k < count; k++) {
+    memmove(depth, depth + 1, 4 * sizeof *depth);
+    depth[4] = depth_at(l->s, i + k * step);
+    if (k >= 4)
+      measure_five(l, i + (k - 2) * step, step, depth);
+  }
+}
+
 static void measure(depth_lines *l, size_t stride) {
   const size_t width = l->s->g->planes.width, height = l->s->g->planes.height;
   for (size_t y = 0; y < height; y += stride)
-    for (size_t x = 2; x + 2 < width; x++)
-      measure_five(l, y * width + x, 1);
+    measure_line(l, y * width, 1, width);
   for (size_t x = 0; x < width; x += stride)
-    for (size_t y = 2; y + 2 < height; y++)
-      measure_five(l, y * width + x, width);
+    measure_line(l, x, width, height);
 }
 
 int surface_check_measure(const surface_points *s, surface_check *out) {

@@ -131,6 +131,30 @@ static void large_pictures(void **state) {
   assert_true(3 * edges[1] < 4 * edges[0] && 4 * edges[1] > 3 * edges[0]);
 }
 
+/* Checks look at every other row of such a picture, but a surface in another
+ * row is one. */
+static void a_single_row_is_seen(void **state) {
+  (void)state;
+  for (size_t row = 0; row <= 2; row++) {
+    dump d = begin_sized(SCENE_ROOM, 512, 289);
+    float *depth = dump_plane(&d, "depth.Z");
+    for (size_t i = 0; i < 512 * 289; i++)
+      depth[i] = row < 2 && i / 512 == row ? 2.0f : 0.0f;
+    dump_write(&d);
+    reading r = dump_read(&d);
+    const surface_points s = surface_points_of(&r.g, &r.map.camera);
+    assert_int_equal(surface_looks(&s), 145 * 512);
+    const findings *found = &r.check.found;
+    int none = 0;
+    for (int i = 0; i < found->count; i++)
+      none += strncmp(found->text[i], "no pixel has a depth", 20) == 0;
+    assert_int_equal(none, row == 2);
+    assert_true((r.check.surface > 0.0) == (row < 2));
+    reading_free(&r);
+    dump_end(&d);
+  }
+}
+
 /* Without normals, depth alone tells it. */
 static void means_without_normals(void **state) {
   (void)state;
@@ -218,6 +242,7 @@ int main(void) {
       WITH_BOTH_CAMERAS(means_without_normals),
       WITH_BOTH_CAMERAS(scattered_depths),
       cmocka_unit_test(large_pictures),
+      cmocka_unit_test(a_single_row_is_seen),
       cmocka_unit_test(halves),
       cmocka_unit_test(blurred_positions),
   };
