@@ -1,11 +1,11 @@
 /*
  * change: light that no view sees any more follows the light that views see.
  *
- * What a view has shown since the last update holds by what factor its light
- * has changed (inject.cl, HBIL_VOXEL_CHANGE).  The cache's extent is divided
- * into regions.  Where what is seen of a region and around it agrees that there
- * is less light, surfaces that no view has seen are dimmed by as much: a lamp
- * that goes out behind the camera, or dusk.  Nothing is brightened: a patch of
+ * Voxels that views have shown since the last update hold what light they sent
+ * before (inject.cl, HBIL_VOXEL_BEFORE).  The cache's extent is divided into
+ * regions.  Where what is seen of a region and around it agrees that there is
+ * less light, surfaces that no view has seen are dimmed by as much: a lamp that
+ * goes out behind the camera, or dusk.  Nothing is brightened: a patch of
  * sun that comes in at a door tells nothing of other places.
  *
  * change_part: sums over parts of the coarsest level, for each region.
@@ -37,17 +37,36 @@ INLINE int region_of(const hbil_cache_args c, uint number) {
   return region;
 }
 
-INLINE change_sums sums_of_voxel(global const float *voxel) {
-  const float change = voxel[HBIL_VOXEL_CHANGE];
+/* The light that a voxel sent before the newest views, by what factor theirs
+ * differs from it, and what share of its mean is theirs. */
+typedef struct seen_change {
+  bool is_known;
+  float before, factor, share;
+} seen_change;
+
+INLINE seen_change change_of_voxel(global const float *voxel) {
+  const float held = voxel[HBIL_VOXEL_BEFORE];
+  const uint newest = as_uint(held) & HBIL_VOXEL_MOMENT_VIEWS;
   const float views = fabs(voxel[HBIL_VOXEL_LIGHT_WEIGHT]);
-  if (!(change > 0.0f && views >= 1.0f))
-    return 0.0f;
-  const float3 sent = vload3(0, voxel + HBIL_VOXEL_SENT);
-  /* the mean before the newest of so many views joined it */
-  const float before =
-      (sent.x + sent.y + sent.z) / (1.0f + (change - 1.0f) / views);
-  return before * (float4)(change, 1.0f, fabs(change - 1.0f), 0.0f) +
-         (float4)(0.0f, 0.0f, 0.0f, 1.0f);
+  seen_change s = {
+      held > 0.0f && views >= 1.0f,
+      as_float(as_uint(held) & ~HBIL_VOXEL_MOMENT_VIEWS), 1.0f,
+      min((float)newest, views) / max(views, 1.0f)};
+  if (s.is_known) {
+    const float3 sent = vload3(0, voxel + HBIL_VOXEL_SENT);
+    const float change = (sent.x + sent.y + sent.z) / s.before - 1.0f;
+    s.factor = clamp(1.0f + change / s.share, 1.0f / HBIL_CACHE_MOST_CHANGE,
+                     HBIL_CACHE_MOST_CHANGE);
+  }
+  return s;
+}
+
+INLINE change_sums sums_of_voxel(global const float *voxel) {
+  const seen_change s = change_of_voxel(voxel);
+  return s.is_known
+             ? s.before * (float4)(s.factor, 1.0f, fabs(s.factor - 1.0f), 0.0f) +
+                   (float4)(0.0f, 0.0f, 0.0f, 1.0f)
+             : (float4)(0.0f);
 }
 
 kernel void change_part(const hbil_cache_args cache, global const uint *states,
@@ -108,20 +127,21 @@ kernel void follow_change(const hbil_cache_args cache,
   for (uint left = surfaces_of_word(states[word]); left; left &= left - 1u) {
     const uint number = first_surface(word, left);
     global float *voxel = voxels + HBIL_VOXEL_FLOATS * (size_t)number;
-    const float change = voxel[HBIL_VOXEL_CHANGE];
+    const bool is_seen = voxel[HBIL_VOXEL_BEFORE] != 0.0f;
     const float ratio = ratios[region_of(cache, number)];
-    if (change != 0.0f)
-      voxel[HBIL_VOXEL_CHANGE] = 0.0f;
-    if (ratio < 1.0f && change < 1.0f) {
-      const float4 light = vload4(0, voxel + HBIL_VOXEL_SENT);
-      const float views = fabs(light.w);
-      if (change == 0.0f) /* a guess, which the next view replaces by half */
-        vstore4((float4)(ratio * light.xyz, clamp(light.w, -1.0f, 1.0f)), 0,
-                voxel + HBIL_VOXEL_SENT);
-      else if (change > 0.0f && views > 1.0f) /* as if its mean had fallen */
-        vstore3(light.xyz * ((ratio + (change - ratio) / views) /
-                             (1.0f + (change - 1.0f) / views)),
-                0, voxel + HBIL_VOXEL_SENT);
-    }
+    const seen_change s = change_of_voxel(voxel);
+    if (is_seen)
+      voxel[HBIL_VOXEL_BEFORE] = 0.0f;
+    if (!(ratio < 1.0f))
+      continue;
+    const float4 light = vload4(0, voxel + HBIL_VOXEL_SENT);
+    if (!is_seen) /* a guess, which the next view replaces by half */
+      vstore4((float4)(ratio * light.xyz, clamp(light.w, -1.0f, 1.0f)), 0,
+              voxel + HBIL_VOXEL_SENT);
+    else if (s.is_known && s.factor < 1.0f && s.share < 1.0f)
+      /* as if its mean before had fallen */
+      vstore3(light.xyz * (mix(ratio, s.factor, s.share) /
+                           mix(1.0f, s.factor, s.share)),
+              0, voxel + HBIL_VOXEL_SENT);
   }
 }

@@ -82,12 +82,17 @@ INLINE float largest(float3 v) {
   return max(max(v.x, v.y), v.z);
 }
 
-/* HBIL_VOXEL_CHANGE */
-INLINE float change_of(float3 held, float3 seen) {
-  const float before = held.x + held.y + held.z;
-  const float most = HBIL_CACHE_MOST_CHANGE;
-  return before > 0.0f
-             ? clamp((seen.x + seen.y + seen.z) / before, 1.0f / most, most)
+/* HBIL_VOXEL_BEFORE with one more view.  held: the voxel's light. */
+INLINE float with_view(float before, bool is_like, float3 held) {
+  const float light = held.x + held.y + held.z;
+  const uint views = as_uint(before) & HBIL_VOXEL_MOMENT_VIEWS;
+  if (!is_like || before < 0.0f)
+    return -1.0f;
+  if (before > 0.0f) /* the first view knew what was before */
+    return views < HBIL_VOXEL_MOMENT_VIEWS ? as_float(as_uint(before) + 1u)
+                                           : before;
+  return light >= HBIL_VOXEL_LEAST_LIGHT
+             ? as_float((as_uint(light) & ~HBIL_VOXEL_MOMENT_VIEWS) | 1u)
              : -1.0f;
 }
 
@@ -100,7 +105,9 @@ INLINE bool is_other_light(float3 held, float3 seen) {
 INLINE void add_surface(global float *voxel, bool is_new, int finished,
                         const shown *s) {
   float4 plane = 0.0f, surface = 0.0f, light = 0.0f;
+  float before = 0.0f;
   if (!is_new) {
+    before = voxel[HBIL_VOXEL_BEFORE];
     plane = vload4(0, voxel + HBIL_VOXEL_NORMAL);
     surface = vload4(0, voxel + HBIL_VOXEL_REFLECTANCE);
     light = vload4(0, voxel + HBIL_VOXEL_SENT);
@@ -119,7 +126,7 @@ INLINE void add_surface(global float *voxel, bool is_new, int finished,
   vstore4((float4)(joined(surface.xyz, s->reflectance * inv, share), views), 0,
           voxel + HBIL_VOXEL_REFLECTANCE);
   const bool like = finished ? light.w < 0.0f : light.w > 0.0f;
-  voxel[HBIL_VOXEL_CHANGE] = like ? change_of(light.xyz, sent) : -1.0f;
+  voxel[HBIL_VOXEL_BEFORE] = with_view(before, like, light.xyz);
   /* finished radiance replaces light of the first bounce, never the other way
    * round */
   if (light.w < 0.0f && !finished)

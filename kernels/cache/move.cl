@@ -47,6 +47,8 @@ INLINE void fade(const hbil_cache_forget_args args, global float *voxel) {
           0, voxel + HBIL_VOXEL_SENT);
   vstore3(vload3(0, voxel + HBIL_VOXEL_INDIRECT) * left, 0,
           voxel + HBIL_VOXEL_INDIRECT);
+  if (left < 1.0f && voxel[HBIL_VOXEL_BEFORE] > 0.0f)
+    voxel[HBIL_VOXEL_BEFORE] = -1.0f; /* views tell nothing of what was */
 }
 
 /* Whether the box and the cell of a level have more than a face in common,

@@ -42,9 +42,10 @@ enum {
   HBIL_VOXEL_SENT = 8,        /* radiance of the first bounce, or finished; 3 */
   HBIL_VOXEL_LIGHT_WEIGHT = 11, /* the same as a weight; -: finished radiance */
   HBIL_VOXEL_INDIRECT = 12,     /* irradiance over pi; 3 */
-  /* 0: no view has seen it since the last update; else by what factor the
-   * newest view has changed its light, or -1 if there was none */
-  HBIL_VOXEL_CHANGE = 15,
+  /* 0: no view has seen it since the last update; -1: some have, but there is
+   * no light to compare theirs with; else the light that it sent before them,
+   * the sum of its channels, whose lowest bits are their number */
+  HBIL_VOXEL_BEFORE = 15,
   HBIL_VOXEL_FLOATS = 16
 };
 
@@ -56,7 +57,12 @@ enum {
  * changes most (cache/inject.cl).  Means of noise differ by less. */
 #define HBIL_CACHE_LIGHT_CHANGED 0.5f
 
-/* Factors of changes are at most so far from 1 (HBIL_VOXEL_CHANGE). */
+/* Those bits of HBIL_VOXEL_BEFORE.  The light, 2^-19 of which they are, is
+ * compared with others to a tenth. */
+#define HBIL_VOXEL_MOMENT_VIEWS 15u
+/* Less light than this is none: its number must be no denormal one. */
+#define HBIL_VOXEL_LEAST_LIGHT 1e-30f
+/* Factors of changes are at most so far from 1 (cache/change.cl). */
 #define HBIL_CACHE_MOST_CHANGE 50.0f
 
 /* Regions of the cache that follow changes of light, and along an axis

@@ -90,6 +90,9 @@ typedef struct exact_cache_view {
   const exact_texel *texel; /* width * height, top row first */
 } exact_cache_view;
 
+/* How many views HBIL_VOXEL_BEFORE counts, and the light in it. */
+unsigned exact_voxel_before(double held, double *light);
+
 /* Looks at all voxels in the view.  margin: unless NULL, for each voxel, by its
  * number, how near to its other side the nearest of the decisions was that made
  * its new state and values: in pixels, voxels of level 0, or cosines. */

@@ -35,18 +35,33 @@ double exact_cache_fallen(const exact_cache *cache,
   return (double)ratios[region_at(cache, (double[3]){at.x, at.y, at.z})];
 }
 
-static void add_voxel(const exact_voxel *voxel, change_sums *sums) {
-  const double *v = voxel->value;
-  const double change = v[HBIL_VOXEL_CHANGE];
+/* By what factor the newest views' light differs from that before, and what
+ * share of the voxel's mean is theirs. */
+typedef struct seen_change {
+  double before, factor, share;
+} seen_change;
+
+static bool change_of(const double *v, seen_change *s) {
+  const double most = (double)HBIL_CACHE_MOST_CHANGE;
   const double views = fabs(v[HBIL_VOXEL_LIGHT_WEIGHT]);
-  if (!(change > 0.0 && views >= 1.0))
-    return;
+  if (!(v[HBIL_VOXEL_BEFORE] > 0.0 && views >= 1.0))
+    return false;
+  const unsigned newest = exact_voxel_before(v[HBIL_VOXEL_BEFORE], &s->before);
   const double sent =
       v[HBIL_VOXEL_SENT] + v[HBIL_VOXEL_SENT + 1] + v[HBIL_VOXEL_SENT + 2];
-  const double before = sent / (1.0 + (change - 1.0) / views);
-  sums->now += before * change;
-  sums->before += before;
-  sums->apart += before * fabs(change - 1.0);
+  s->share = fmin(newest, views) / views;
+  s->factor = 1.0 + (sent / s->before - 1.0) / s->share;
+  s->factor = fmin(fmax(s->factor, 1.0 / most), most);
+  return true;
+}
+
+static void add_voxel(const exact_voxel *voxel, change_sums *sums) {
+  seen_change s;
+  if (!change_of(voxel->value, &s))
+    return;
+  sums->now += s.before * s.factor;
+  sums->before += s.before;
+  sums->apart += s.before * fabs(s.factor - 1.0);
   ++sums->voxels;
 }
 
@@ -83,23 +98,25 @@ void exact_cache_follow_change(exact_cache *cache) {
     double *v = voxel->value;
     if (voxel->state != HBIL_VOXEL_SURFACE)
       continue;
-    const double change = v[HBIL_VOXEL_CHANGE];
-    const double views = fabs(v[HBIL_VOXEL_LIGHT_WEIGHT]);
+    seen_change s;
+    const bool is_seen = v[HBIL_VOXEL_BEFORE] != 0.0;
+    const bool is_known = change_of(v, &s);
     const double ratio = ratio_of(sums, region_of(cache, &place));
-    v[HBIL_VOXEL_CHANGE] = 0.0;
-    if (ratio == 1.0 || change >= 1.0)
+    v[HBIL_VOXEL_BEFORE] = 0.0;
+    if (ratio == 1.0)
       continue;
-    double share = ratio;
-    if (change == 0.0) /* not seen */
+    double left = ratio;
+    if (!is_seen)
       v[HBIL_VOXEL_LIGHT_WEIGHT] =
           fmax(-1.0, fmin(1.0, v[HBIL_VOXEL_LIGHT_WEIGHT]));
-    else if (change > 0.0 && views > 1.0) /* as if the mean before had fallen */
-      share =
-          (ratio + (change - ratio) / views) / (1.0 + (change - 1.0) / views);
+    else if (is_known && s.factor < 1.0 && s.share < 1.0)
+      /* as if the mean before had fallen */
+      left = (ratio + (s.factor - ratio) * s.share) /
+             (1.0 + (s.factor - 1.0) * s.share);
     else
       continue;
     for (int c = 0; c < 3; ++c)
-      v[HBIL_VOXEL_SENT + c] *= share;
+      v[HBIL_VOXEL_SENT + c] *= left;
   }
 }
 
@@ -131,7 +148,9 @@ void exact_cache_forget(exact_cache *cache, const hbil_cache_change *change) {
       continue;
     v[HBIL_VOXEL_WEIGHT] *= 1.0 - (double)change->surfaces;
     const double weight = v[HBIL_VOXEL_LIGHT_WEIGHT];
-    for (int k = HBIL_VOXEL_SENT; k < HBIL_VOXEL_CHANGE; ++k)
+    if (change->light > 0.0f && v[HBIL_VOXEL_BEFORE] > 0.0)
+      v[HBIL_VOXEL_BEFORE] = -1.0;
+    for (int k = HBIL_VOXEL_SENT; k < HBIL_VOXEL_BEFORE; ++k)
       v[k] *= 1.0 - (double)change->light;
     if (weight != 0.0) /* whose sign must remain */
       v[HBIL_VOXEL_LIGHT_WEIGHT] =

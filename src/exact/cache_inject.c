@@ -4,6 +4,9 @@
  * A voxel looks at the texels around its own place in the view.  Surfaces in it
  * make its means; if only things behind it show, it is empty.
  */
+#include <stdint.h>
+#include <string.h>
+
 #include "exact/cache.h"
 
 /* How near to their other side decisions were. */
@@ -103,15 +106,34 @@ static bool is_other_light(const double *held, const shown *s, decisions *d) {
          !decide(d, (double)HBIL_CACHE_LIGHT_CHANGED - change / most);
 }
 
-/* HBIL_VOXEL_CHANGE */
-static double change_of(const double *held, const shown *s) {
-  const double most = (double)HBIL_CACHE_MOST_CHANGE;
-  double before = 0.0, seen = 0.0;
-  for (int c = 0; c < 3; ++c) {
-    before += held[c];
-    seen += s->sent[c] / s->surfaces;
+/* HBIL_VOXEL_BEFORE, whose lowest bits of a float are a number of views. */
+static double mark(double light, unsigned views) {
+  float value = (float)light;
+  uint32_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  bits = (bits & ~HBIL_VOXEL_MOMENT_VIEWS) | views;
+  memcpy(&value, &bits, sizeof value);
+  return (double)value;
+}
+
+unsigned exact_voxel_before(double held, double *light) {
+  const float value = (float)held;
+  uint32_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  *light = mark(held, 0);
+  return bits & HBIL_VOXEL_MOMENT_VIEWS;
+}
+
+/* The same with one more view. */
+static double with_view(double before, bool is_like, const double *sent) {
+  double light = sent[0] + sent[1] + sent[2];
+  if (!is_like || before < 0.0)
+    return -1.0;
+  if (before > 0.0) {
+    const unsigned views = exact_voxel_before(before, &light);
+    return mark(light, views < HBIL_VOXEL_MOMENT_VIEWS ? views + 1 : views);
   }
-  return before > 0.0 ? fmin(fmax(seen / before, 1.0 / most), most) : -1.0;
+  return light >= (double)HBIL_VOXEL_LEAST_LIGHT ? mark(light, 1) : -1.0;
 }
 
 /* Joins the means of a view to the voxel's. */
@@ -142,9 +164,9 @@ static void add_surface(exact_voxel *voxel, bool finished, const shown *s,
     v[HBIL_VOXEL_OFFSET] = s->offset / s->surfaces;
   }
   double *weight = v + HBIL_VOXEL_LIGHT_WEIGHT;
-  v[HBIL_VOXEL_CHANGE] = (finished ? *weight < 0.0 : *weight > 0.0)
-                             ? change_of(v + HBIL_VOXEL_SENT, s)
-                             : -1.0;
+  v[HBIL_VOXEL_BEFORE] =
+      with_view(v[HBIL_VOXEL_BEFORE], finished ? *weight < 0.0 : *weight > 0.0,
+                v + HBIL_VOXEL_SENT);
   if (*weight < 0.0 && !finished)
     return;
   if ((*weight > 0.0 && finished) || is_other_light(v + HBIL_VOXEL_SENT, s, d))

@@ -66,11 +66,10 @@ static void repair_voxel(float *voxel) {
     voxel[HBIL_VOXEL_LIGHT_WEIGHT] = 0.0f;
   repair_light(voxel + HBIL_VOXEL_SENT, MOST_SENT);
   repair_light(voxel + HBIL_VOXEL_INDIRECT, MOST_INDIRECT);
-  /* the quotient's rounding may be below the inverse */
-  if (voxel[HBIL_VOXEL_CHANGE] != -1.0f &&
-      !is_inside(voxel[HBIL_VOXEL_CHANGE], 0.99f / HBIL_CACHE_MOST_CHANGE,
-                 HBIL_CACHE_MOST_CHANGE))
-    voxel[HBIL_VOXEL_CHANGE] = 0.0f;
+  if (voxel[HBIL_VOXEL_BEFORE] != -1.0f &&
+      !is_inside(voxel[HBIL_VOXEL_BEFORE], 0.99f * HBIL_VOXEL_LEAST_LIGHT,
+                 3.0f * MOST_SENT))
+    voxel[HBIL_VOXEL_BEFORE] = 0.0f;
 }
 
 void voxels_repair(float *voxels, size_t count) {

@@ -179,7 +179,7 @@ static void finished_radiance_is_sent_as_it_is(void **state) {
 
 /* What views since the last update have shown dims what they haven't, region by
  * region, as the exact pass does it. */
-static void check_change(cl_uint width, float factor, bool dims) {
+static void check_change(cl_uint width, float factor, int views, bool dims) {
   cache_fixture f;
   setup s;
   hbil_cache_update none;
@@ -188,11 +188,15 @@ static void check_change(cl_uint width, float factor, bool dims) {
   hbil_cache_update_init(&none);
   none.bounces = 0;
   exact_cache cache = filled(&f, width, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
+  cache_update(&f, &none); /* a moment ends, which had two pictures */
+  cache_inject(&f, &s, HBIL_VIEW_DIRECT);
+  cache_update(&f, &none);
   for (int k = EXACT_DIRECT; k < EXACT_DIRECT + 3; ++k)
     for (size_t i = 0; i < setup_pixels(&s); ++i)
       s.input[k][i] *= factor;
   setup_upload(&s);
-  cache_inject(&f, &s, HBIL_VIEW_DIRECT);
+  for (int i = 0; i < views; ++i)
+    cache_inject(&f, &s, HBIL_VIEW_DIRECT);
   cache_import(&cache);
   exact_cache want = checked_cache(&f);
   memcpy(want.middle, cache.middle, sizeof want.middle);
@@ -209,7 +213,7 @@ static void check_change(cl_uint width, float factor, bool dims) {
     const double *v = exact_cache_at(&got, &place)->value;
     if (w->state != HBIL_VOXEL_SURFACE)
       continue;
-    seen += before[HBIL_VOXEL_CHANGE] != 0.0;
+    seen += before[HBIL_VOXEL_BEFORE] != 0.0;
     dimmed += v[HBIL_VOXEL_SENT] < before[HBIL_VOXEL_SENT];
     for (int c = 0; c < HBIL_VOXEL_FLOATS; ++c)
       worst = fmax(worst, fabs(v[c] - w->value[c]) / fmax(fabs(v[c]), 1e-3));
@@ -217,7 +221,8 @@ static void check_change(cl_uint width, float factor, bool dims) {
   /* a factor is a quotient of sums over some hundred voxels */
   check_at_most("dimmed light, relative", worst, 1e-5);
   assert_true(seen > 300);
-  assert_true(dims ? dimmed > 100 : dimmed == 0);
+  if (dims ? dimmed <= 50 : dimmed > 0)
+    fail_msg("%d dimmed: factor %g, %d views", dimmed, (double)factor, views);
   exact_cache_free(&got);
   exact_cache_free(&want);
   exact_cache_free(&cache);
@@ -227,12 +232,16 @@ static void check_change(cl_uint width, float factor, bool dims) {
 
 static void what_is_not_seen_follows_what_is(void **state) {
   (void)state;
-  check_change(8, 0.4f, true);
-  check_change(1, 0.4f, true);
-  check_change(8, 0.7f, true); /* it joins means, which have fallen as well */
-  check_change(1, 0.7f, true);
-  check_change(8, 0.95f, false); /* noise */
-  check_change(8, 3.0f, false);
+  for (int views = 1; views <= 3; ++views) {
+    check_change(8, 0.0f, views, true); /* nothing is left of what was */
+    check_change(8, 0.4f, views, true);
+    check_change(1, 0.4f, views, true);
+    check_change(8, 0.7f, views, true); /* means have fallen as well */
+    check_change(1, 0.7f, views, true);
+    check_change(8, 0.95f, views, false); /* noise */
+    check_change(8, 3.0f, views, false);
+  }
+  check_change(8, 0.4f, 20, true); /* more than are counted */
 }
 
 /* --- what is told --- */

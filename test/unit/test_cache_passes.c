@@ -74,7 +74,7 @@ static void compare_voxel(const exact_voxel *got, const exact_voxel *want,
     else if (k < HBIL_VOXEL_WEIGHT)
       d->share = fmax(d->share, off);
     else if ((k >= HBIL_VOXEL_SENT && k < HBIL_VOXEL_LIGHT_WEIGHT) ||
-             k == HBIL_VOXEL_CHANGE)
+             k == HBIL_VOXEL_BEFORE)
       d->light = fmax(d->light, off / fmax(fabs(want->value[k]), 1e-3));
     else
       assert_true(got->value[k] == want->value[k]);
