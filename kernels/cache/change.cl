@@ -20,9 +20,10 @@
  */
 #include "lib/cache_voxels.clh"
 
-/* Of a region: the light of what is seen, now and before, how much it has
- * changed by without signs, and the number of voxels. */
-typedef float4 change_sums;
+/* Of a region: 0 and 1: the light of what is seen, now and before; 2: how much
+ * it has changed by without signs; 3: the number of voxels; 4: the light before
+ * of what is seen to have next to none, which is in none of the others. */
+typedef float8 change_sums;
 
 /* The region of a voxel. */
 INLINE int region_of(const hbil_cache_args c, uint number) {
@@ -37,11 +38,11 @@ INLINE int region_of(const hbil_cache_args c, uint number) {
   return region;
 }
 
-/* The light that a voxel sent before the newest views, by what factor theirs
- * differs from it, and what share of its mean is theirs. */
+/* The light that a voxel sent before the newest views, theirs, and what share of
+ * its mean is theirs. */
 typedef struct seen_change {
   bool is_known;
-  float before, factor, share;
+  float before, now, share;
 } seen_change;
 
 INLINE seen_change change_of_voxel(global const float *voxel) {
@@ -50,23 +51,27 @@ INLINE seen_change change_of_voxel(global const float *voxel) {
   const float views = fabs(voxel[HBIL_VOXEL_LIGHT_WEIGHT]);
   seen_change s = {
       held > 0.0f && views >= 1.0f,
-      as_float(as_uint(held) & ~HBIL_VOXEL_MOMENT_VIEWS), 1.0f,
+      as_float(as_uint(held) & ~HBIL_VOXEL_MOMENT_VIEWS), 0.0f,
       min((float)newest, views) / max(views, 1.0f)};
   if (s.is_known) {
     const float3 sent = vload3(0, voxel + HBIL_VOXEL_SENT);
-    const float change = (sent.x + sent.y + sent.z) / s.before - 1.0f;
-    s.factor = clamp(1.0f + change / s.share, 1.0f / HBIL_CACHE_MOST_CHANGE,
-                     HBIL_CACHE_MOST_CHANGE);
+    const float mean = sent.x + sent.y + sent.z;
+    s.now = max(s.before + (mean - s.before) / s.share, 0.0f);
   }
   return s;
 }
 
 INLINE change_sums sums_of_voxel(global const float *voxel) {
   const seen_change s = change_of_voxel(voxel);
-  return s.is_known
-             ? s.before * (float4)(s.factor, 1.0f, fabs(s.factor - 1.0f), 0.0f) +
-                   (float4)(0.0f, 0.0f, 0.0f, 1.0f)
-             : (float4)(0.0f);
+  if (!s.is_known)
+    return 0.0f;
+  const float most = HBIL_CACHE_MOST_CHANGE;
+  const bool is_gone = s.now * most < s.before;
+  /* light that comes out of next to nothing counts as well */
+  const float now = is_gone ? 0.0f : s.now;
+  const float before = is_gone ? 0.0f : max(s.before, now / most);
+  return (float8)(now, before, fabs(now - before), 1.0f,
+                  is_gone ? s.before : 0.0f, 0.0f, 0.0f, 0.0f);
 }
 
 kernel void change_part(const hbil_cache_args cache, global const uint *states,
@@ -75,17 +80,18 @@ kernel void change_part(const hbil_cache_args cache, global const uint *states,
   uint first, end;
   if (!coarsest_words_of_item(cache, &first, &end))
     return;
-  global float *sums = changes + 4 * HBIL_CACHE_REGIONS * (1 + part);
+  global float *sums =
+      changes + HBIL_CHANGE_SUMS * HBIL_CACHE_REGIONS * (1 + part);
   for (int r = 0; r < HBIL_CACHE_REGIONS; ++r)
-    vstore4((float4)(0.0f), r, sums);
+    vstore8((float8)(0.0f), r, sums);
   for (uint i = first; i < end; ++i)
     for (uint left = surfaces_of_word(states[i]); left; left &= left - 1u) {
       const uint number = first_surface(i, left);
       const change_sums s =
           sums_of_voxel(voxels + HBIL_VOXEL_FLOATS * (size_t)number);
-      if (s.w > 0.0f) {
+      if (s.s3 > 0.0f) {
         const int region = region_of(cache, number);
-        vstore4(vload4(region, sums) + s, region, sums);
+        vstore8(vload8(region, sums) + s, region, sums);
       }
     }
 }
@@ -96,8 +102,8 @@ kernel void change_region(global float *changes) {
     return;
   change_sums sum = 0.0f;
   for (int part = 1; part <= HBIL_CACHE_PARTS; ++part)
-    sum += vload4(HBIL_CACHE_REGIONS * part + region, changes);
-  vstore4(sum, region, changes);
+    sum += vload8(HBIL_CACHE_REGIONS * part + region, changes);
+  vstore8(sum, region, changes);
 }
 
 kernel void change_ratio(global const float *changes, global float *ratios) {
@@ -109,13 +115,15 @@ kernel void change_ratio(global const float *changes, global float *ratios) {
     const int dx = own % n - r % n, dy = own / n % n - r / n % n;
     const int dz = own / (n * n) - r / (n * n);
     const float weight = 1.0f / (float)(1 + dx * dx + dy * dy + dz * dz);
-    sum += weight * vload4(r, changes);
+    sum += weight * vload8(r, changes);
   }
-  const float ratio = sum.x / max(sum.y, FLT_MIN);
-  const bool less = sum.w >= HBIL_CHANGE_VOXELS &&
+  const float gone = sum.s4 > sum.s1 ? sum.s4 : 0.0f;
+  const float now = sum.s0, before = sum.s1 + gone, apart = sum.s2 + gone;
+  const float ratio = now / max(before, FLT_MIN);
+  const bool less = sum.s3 >= HBIL_CHANGE_VOXELS &&
                     ratio < 1.0f - HBIL_CHANGE_LEAST &&
-                    sum.y - sum.x > HBIL_CHANGE_AGREEMENT * sum.z;
-  ratios[own] = less ? ratio : 1.0f;
+                    before - now > HBIL_CHANGE_AGREEMENT * apart;
+  ratios[own] = less ? max(ratio, 1.0f / HBIL_CACHE_MOST_CHANGE) : 1.0f;
 }
 
 kernel void follow_change(const hbil_cache_args cache,
@@ -138,10 +146,10 @@ kernel void follow_change(const hbil_cache_args cache,
     if (!is_seen) /* a guess, which the next view replaces by half */
       vstore4((float4)(ratio * light.xyz, clamp(light.w, -1.0f, 1.0f)), 0,
               voxel + HBIL_VOXEL_SENT);
-    else if (s.is_known && s.factor < 1.0f && s.share < 1.0f)
+    else if (s.is_known && s.now < s.before && s.share < 1.0f)
       /* as if its mean before had fallen */
-      vstore3(light.xyz * (mix(ratio, s.factor, s.share) /
-                           mix(1.0f, s.factor, s.share)),
+      vstore3(light.xyz * (mix(ratio * s.before, s.now, s.share) /
+                           mix(s.before, s.now, s.share)),
               0, voxel + HBIL_VOXEL_SENT);
   }
 }

@@ -68,10 +68,14 @@ enum {
 /* Regions of the cache that follow changes of light, and along an axis
  * (cache/change.cl). */
 enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
+/* Floats of the sums of a region. */
+#define HBIL_CHANGE_SUMS 8
 /* They do if there is so much less light, if what is lost is at least so much
  * of all changes without their signs, and if there are so many voxels, by
  * weight. Noise of voxels cancels in regions; a box that moves or a cloud's
- * edge has both signs. */
+ * edge has both signs.  Light that has gone altogether counts only if it was
+ * more than half of all: next to a patch of sun, one view sees a voxel's lit
+ * part and the next one its dark part. */
 #define HBIL_CHANGE_LEAST 0.1f
 #define HBIL_CHANGE_AGREEMENT 0.7f
 #define HBIL_CHANGE_VOXELS 25.0f

@@ -5,9 +5,10 @@
 #include "exact/cache.h"
 
 /* Of a region: the light of what is seen, now and before, how much it has
- * changed by without signs, and the number of voxels. */
+ * changed by without signs, and the number of voxels; gone: the light before of
+ * those that now have next to none, which is in none of the others. */
 typedef struct change_sums {
-  double now, before, apart, voxels;
+  double now, before, apart, voxels, gone;
 } change_sums;
 
 /* The region of a place in cache space, or the nearest one. */
@@ -35,14 +36,13 @@ double exact_cache_fallen(const exact_cache *cache,
   return (double)ratios[region_at(cache, (double[3]){at.x, at.y, at.z})];
 }
 
-/* By what factor the newest views' light differs from that before, and what
- * share of the voxel's mean is theirs. */
+/* The light before the newest views, theirs, and what share of the voxel's mean
+ * is theirs. */
 typedef struct seen_change {
-  double before, factor, share;
+  double before, now, share;
 } seen_change;
 
 static bool change_of(const double *v, seen_change *s) {
-  const double most = (double)HBIL_CACHE_MOST_CHANGE;
   const double views = fabs(v[HBIL_VOXEL_LIGHT_WEIGHT]);
   if (!(v[HBIL_VOXEL_BEFORE] > 0.0 && views >= 1.0))
     return false;
@@ -50,24 +50,29 @@ static bool change_of(const double *v, seen_change *s) {
   const double sent =
       v[HBIL_VOXEL_SENT] + v[HBIL_VOXEL_SENT + 1] + v[HBIL_VOXEL_SENT + 2];
   s->share = fmin(newest, views) / views;
-  s->factor = 1.0 + (sent / s->before - 1.0) / s->share;
-  s->factor = fmin(fmax(s->factor, 1.0 / most), most);
+  s->now = fmax(s->before + (sent - s->before) / s->share, 0.0);
   return true;
 }
 
 static void add_voxel(const exact_voxel *voxel, change_sums *sums) {
+  const double most = (double)HBIL_CACHE_MOST_CHANGE;
   seen_change s;
   if (!change_of(voxel->value, &s))
     return;
-  sums->now += s.before * s.factor;
-  sums->before += s.before;
-  sums->apart += s.before * fabs(s.factor - 1.0);
   ++sums->voxels;
+  if (s.now * most < s.before) {
+    sums->gone += s.before;
+    return;
+  }
+  const double before = fmax(s.before, s.now / most);
+  sums->now += s.now;
+  sums->before += before;
+  sums->apart += fabs(s.now - before);
 }
 
 static double ratio_of(const change_sums *sums, int own) {
   const int n = HBIL_CACHE_REGIONS_ACROSS;
-  change_sums all = {0.0, 0.0, 0.0, 0.0};
+  change_sums all = {0.0, 0.0, 0.0, 0.0, 0.0};
   for (int r = 0; r < HBIL_CACHE_REGIONS; ++r) {
     const int dx = own % n - r % n, dy = own / n % n - r / n % n;
     const int dz = own / (n * n) - r / (n * n);
@@ -76,16 +81,22 @@ static double ratio_of(const change_sums *sums, int own) {
     all.before += weight * sums[r].before;
     all.apart += weight * sums[r].apart;
     all.voxels += weight * sums[r].voxels;
+    all.gone += weight * sums[r].gone;
+  }
+  if (all.gone > all.before) {
+    all.before += all.gone;
+    all.apart += all.gone;
   }
   const bool less =
       all.voxels >= (double)HBIL_CHANGE_VOXELS &&
       all.now < (1.0 - (double)HBIL_CHANGE_LEAST) * all.before &&
       all.before - all.now > (double)HBIL_CHANGE_AGREEMENT * all.apart;
-  return less ? all.now / all.before : 1.0;
+  return less ? fmax(all.now / all.before, 1.0 / (double)HBIL_CACHE_MOST_CHANGE)
+              : 1.0;
 }
 
 void exact_cache_follow_change(exact_cache *cache) {
-  change_sums sums[HBIL_CACHE_REGIONS] = {{0.0, 0.0, 0.0, 0.0}};
+  change_sums sums[HBIL_CACHE_REGIONS] = {{0.0, 0.0, 0.0, 0.0, 0.0}};
   for (size_t i = 0; i < exact_cache_count(cache); ++i) {
     const exact_place place = exact_cache_place(cache, i);
     const exact_voxel *voxel = exact_cache_at(cache, &place);
@@ -109,10 +120,10 @@ void exact_cache_follow_change(exact_cache *cache) {
     if (!is_seen)
       v[HBIL_VOXEL_LIGHT_WEIGHT] =
           fmax(-1.0, fmin(1.0, v[HBIL_VOXEL_LIGHT_WEIGHT]));
-    else if (is_known && s.factor < 1.0 && s.share < 1.0)
+    else if (is_known && s.now < s.before && s.share < 1.0)
       /* as if the mean before had fallen */
-      left = (ratio + (s.factor - ratio) * s.share) /
-             (1.0 + (s.factor - 1.0) * s.share);
+      left = (ratio * s.before + (s.now - ratio * s.before) * s.share) /
+             (s.before + (s.now - s.before) * s.share);
     else
       continue;
     for (int c = 0; c < 3; ++c)

@@ -73,7 +73,8 @@
 
 /* Sums that tell how light has changed (cache/change.cl). */
 #define CHANGE_BYTES                                                           \
-  (4 * sizeof(cl_float) * HBIL_CACHE_REGIONS * (1 + HBIL_CACHE_PARTS))
+  (HBIL_CHANGE_SUMS * sizeof(cl_float) * HBIL_CACHE_REGIONS *                  \
+   (1 + HBIL_CACHE_PARTS))
 
 /*
  * The buffers of a cache: enumerator and bytes.  voxels is their number in all

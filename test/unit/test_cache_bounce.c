@@ -179,7 +179,8 @@ static void finished_radiance_is_sent_as_it_is(void **state) {
 
 /* What views since the last update have shown dims what they haven't, region by
  * region, as the exact pass does it. */
-static void check_change(cl_uint width, float factor, int views, bool dims) {
+static void check_change(cl_uint width, float factor, double part, int views,
+                         bool dims) {
   cache_fixture f;
   setup s;
   hbil_cache_update none;
@@ -193,7 +194,8 @@ static void check_change(cl_uint width, float factor, int views, bool dims) {
   cache_update(&f, &none);
   for (int k = EXACT_DIRECT; k < EXACT_DIRECT + 3; ++k)
     for (size_t i = 0; i < setup_pixels(&s); ++i)
-      s.input[k][i] *= factor;
+      if ((double)(i % s.config.width) < part * (double)s.config.width)
+        s.input[k][i] *= factor;
   setup_upload(&s);
   for (int i = 0; i < views; ++i)
     cache_inject(&f, &s, HBIL_VIEW_DIRECT);
@@ -222,7 +224,8 @@ static void check_change(cl_uint width, float factor, int views, bool dims) {
   check_at_most("dimmed light, relative", worst, 1e-5);
   assert_true(seen > 300);
   if (dims ? dimmed <= 50 : dimmed > 0)
-    fail_msg("%d dimmed: factor %g, %d views", dimmed, (double)factor, views);
+    fail_msg("%d dimmed: %g of all by %g, %d views", dimmed, part,
+             (double)factor, views);
   exact_cache_free(&got);
   exact_cache_free(&want);
   exact_cache_free(&cache);
@@ -233,15 +236,17 @@ static void check_change(cl_uint width, float factor, int views, bool dims) {
 static void what_is_not_seen_follows_what_is(void **state) {
   (void)state;
   for (int views = 1; views <= 3; ++views) {
-    check_change(8, 0.0f, views, true); /* nothing is left of what was */
-    check_change(8, 0.4f, views, true);
-    check_change(1, 0.4f, views, true);
-    check_change(8, 0.7f, views, true); /* means have fallen as well */
-    check_change(1, 0.7f, views, true);
-    check_change(8, 0.95f, views, false); /* noise */
-    check_change(8, 3.0f, views, false);
+    check_change(8, 0.0f, 1.0, views, true); /* nothing is left of what was */
+    check_change(8, 0.0f, 0.95, views, true);
+    check_change(8, 0.0f, 0.3, views, false); /* a patch of sun */
+    check_change(8, 0.4f, 1.0, views, true);
+    check_change(1, 0.4f, 1.0, views, true);
+    check_change(8, 0.7f, 1.0, views, true); /* means have fallen as well */
+    check_change(1, 0.7f, 1.0, views, true);
+    check_change(8, 0.95f, 1.0, views, false); /* noise */
+    check_change(8, 3.0f, 1.0, views, false);
   }
-  check_change(8, 0.4f, 20, true); /* more than are counted */
+  check_change(8, 0.4f, 1.0, 20, true); /* more than are counted */
 }
 
 /* --- what is told --- */
