@@ -60,9 +60,12 @@ extern "C" {
  * hbil_enqueue_cache_forget() or hbil_enqueue_cache_reset().  A voxel is the
  * mean of the views that saw it, in which a new one counts 1/16 or more.  Light
  * that is less than half or more than twice of what it was replaces that mean
- * at once.  Where views since the last update agree that there is less light,
- * by a tenth or more, what they don't see is dimmed by as much, region by
- * region (a quarter of the extent across); it is never brightened.
+ * at once.  Views between two updates show one moment.  Where they agree that
+ * there is less light than before, by a tenth or more, what they don't see is
+ * dimmed by as much, region by region (a quarter of the coarsest level's width);
+ * it is never brightened.  Light that has gone altogether counts where it was
+ * more than half of what is seen: next to a patch of sun, views of the same
+ * voxel may see its lit part or its dark part.
  */
 typedef struct hbil_cache hbil_cache;
 
