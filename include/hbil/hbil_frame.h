@@ -197,9 +197,10 @@ HBIL_API void hbil_frame_init_sized(hbil_frame *frame, size_t struct_size);
   hbil_frame_init_sized((frame), sizeof(hbil_frame))
 
 /* Projects a latitude-longitude map to order-2 spherical harmonics, on the
- * host.  rgb has `height` rows of `width` pixels of 3 floats.  Rows are
- * row_pitch bytes apart; 0 means without gaps.  The top row is the map's +z
- * pole, and a direction d has, as in Blender,
+ * host.  rgb has `height` rows of `width` pixels of 3 floats.  Any width and
+ * height will do; a width of twice the height is usual.  Rows are row_pitch
+ * bytes apart; 0 means without gaps.  The top row is the map's +z pole, and a
+ * direction d has, as in Blender,
  *   column = width (0.5 - atan2(d.y, d.x) / (2 pi))
  *   row    = height acos(d.z) / pi
  * world_from_map is a row-major 3x3 rotation, checked to 1e-3.  In a

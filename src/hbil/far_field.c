@@ -6,6 +6,7 @@
 #include "context.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
@@ -94,18 +95,20 @@ hbil_status hbil_environment_from_latlong(const float *rgb, size_t width,
                                           float environment[9][3]) {
   if (!rgb || !environment)
     return fail_null(NULL, __func__, rgb ? "environment" : "rgb");
-  if (!width || !height)
+  const size_t pixel = 3 * sizeof *rgb;
+  const size_t row_size = width <= SIZE_MAX / pixel ? width * pixel : 0;
+  if (row_pitch == 0)
+    row_pitch = row_size;
+  if (!row_size || !height || height > SIZE_MAX / row_pitch)
     return fail(NULL, HBIL_INVALID_ARGUMENT,
                 "hbil_environment_from_latlong: width, height: %zu, %zu; a map "
-                "has at least one pixel",
-                width, height);
-  if (row_pitch == 0)
-    row_pitch = width * 3 * sizeof *rgb;
-  if (row_pitch < width * 3 * sizeof *rgb || row_pitch % sizeof *rgb)
+                "has at least one pixel, and at most %zu bytes",
+                width, height, SIZE_MAX);
+  if (row_pitch < row_size || row_pitch % sizeof *rgb)
     return fail(NULL, HBIL_INVALID_ARGUMENT,
                 "hbil_environment_from_latlong: row_pitch: %zu; must be a "
-                "multiple of %zu bytes, and at least a row's %zu",
-                row_pitch, sizeof *rgb, width * 3 * sizeof *rgb);
+                "multiple of %zu bytes, and at least the %zu of a row",
+                row_pitch, sizeof *rgb, row_size);
   const hbil_status status =
       world_from_map ? check_rotation(world_from_map) : HBIL_SUCCESS;
   if (status != HBIL_SUCCESS)

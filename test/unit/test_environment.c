@@ -130,6 +130,28 @@ static void bad_arguments_are_refused(void **state) {
                    HBIL_SUCCESS);
 }
 
+/* Sizes whose bytes no size_t counts. */
+static void maps_must_be_countable(void **state) {
+  static const size_t most = SIZE_MAX, row = 3 * sizeof(float);
+  const struct {
+    size_t width, height, pitch;
+  } wrong[] = {{most, most, 0},
+               {most, 2, 0},
+               {most / row + 2, 1, row},
+               {2, most / row, 2 * row},
+               {4, most, 0}};
+  float map[3 * 4 * 2] = {0.0f}, sh[9][3] = {{7.0f}};
+  (void)state;
+  for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+    assert_int_equal(hbil_environment_from_latlong(map, wrong[i].width,
+                                                   wrong[i].height,
+                                                   wrong[i].pitch, NULL, sh),
+                     HBIL_INVALID_ARGUMENT);
+    assert_non_null(strstr(hbil_context_message(NULL), "width, height: "));
+    assert_true(sh[0][0] == 7.0f);
+  }
+}
+
 static void matrices_must_be_rotations(void **state) {
   static const struct {
     float matrix[9];
@@ -172,6 +194,7 @@ int main(void) {
       cmocka_unit_test(maps_may_be_turned),
       cmocka_unit_test(a_constant_map_has_band_0_alone),
       cmocka_unit_test(bad_arguments_are_refused),
+      cmocka_unit_test(maps_must_be_countable),
       cmocka_unit_test(matrices_must_be_rotations),
       cmocka_unit_test(opengl_cameras_turn_two_axes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
