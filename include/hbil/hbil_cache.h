@@ -119,7 +119,8 @@ HBIL_API void hbil_cache_config_init_sized(hbil_cache_config *config,
  * With a cache_method and a finite radius, near light has three fifths of
  * sampling.steps_per_side, unless outputs of occlusion share its search (same
  * radius and thickness).
- * HBIL_INVALID_ARGUMENT if one of them is null. */
+ * HBIL_INVALID_ARGUMENT, which changes neither, if one of them is null, or if
+ * voxel_size, which the radius depends on, isn't above 0. */
 HBIL_API hbil_status hbil_config_use_cache(hbil_config *config,
                                            hbil_cache_config *cache);
 

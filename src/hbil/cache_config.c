@@ -125,6 +125,11 @@ hbil_status hbil_config_use_cache(hbil_config *config,
                                   hbil_cache_config *cache) {
   if (!config || !cache)
     return fail_null(NULL, __func__, config ? "cache" : "config");
+  if (!(cache->voxel_size > 0))
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "hbil_config_use_cache: cache.voxel_size: %g; must be set "
+                "before, to the world units across a voxel",
+                cache->voxel_size);
   hbil_model *model = &config->model;
   cache->inputs = config->inputs;
   cache->gather_emission = model->gather_emission;

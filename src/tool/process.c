@@ -144,6 +144,7 @@ static int prepare_cache(job *j, image_error *error) {
   if (!j->has_cache)
     return 0;
   hbil_cache_config_init(&cache);
+  cache.voxel_size = 1; /* decides about the radius, which is not read here */
   hbil_config_use_cache(&with_cache, &cache);
   j->config.model.cache_method =
       s->far ? (hbil_cache_method)s->far : HBIL_CACHE_METHOD_RAYS;

@@ -46,6 +46,7 @@ void process_help(void) {
   hbil_cache_config cache;
   set_defaults(&defaults);
   hbil_cache_config_init(&cache);
+  cache.voxel_size = 1; /* decides about the radius, which is not read here */
   hbil_config with_cache = defaults.settings.config;
   hbil_config_use_cache(&with_cache, &cache);
   const option_value values[] = {

@@ -116,6 +116,21 @@ static void a_plan_uses_a_cache(void **state) {
   }
 }
 
+static void a_plan_needs_the_size_of_voxels(void **state) {
+  static const double wrong[] = {0.0, -0.1, NAN};
+  (void)state;
+  for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+    hbil_cache_config c = room_cache_config();
+    hbil_config plan;
+    hbil_config_init(&plan);
+    c.voxel_size = wrong[i];
+    assert_int_equal(hbil_config_use_cache(&plan, &c), HBIL_INVALID_ARGUMENT);
+    assert_non_null(strstr(hbil_context_message(NULL), "voxel_size: "));
+    assert_true(plan.model.cache_method == HBIL_CACHE_METHOD_NONE &&
+                isinf(plan.model.radius));
+  }
+}
+
 /* ------------------------------------------------------------------------ */
 /* Views                                                                     */
 
@@ -468,6 +483,7 @@ int main(void) {
       cmocka_unit_test(bad_configurations_are_rejected_by_name),
       cmocka_unit_test(defaults_are_those_of_the_header),
       cmocka_unit_test(a_plan_uses_a_cache),
+      cmocka_unit_test(a_plan_needs_the_size_of_voxels),
       cmocka_unit_test(a_frame_is_a_view),
       cmocka_unit_test(bad_views_are_rejected_by_name),
       cmocka_unit_test(planes_of_other_contexts_are_rejected),
