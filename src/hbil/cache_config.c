@@ -207,8 +207,7 @@ hbil_status cache_update_take(hbil_context *context,
     cl_uint value, least, most;
   } ranges[] = {{"bounces", own->bounces, 0, 1024},
                 {"phases", own->phases, 1, 4096},
-                {"steps", own->steps, 0, 1024},
-                {"far_field", (cl_uint)own->far_field, 0, HBIL_FAR_AUTO}};
+                {"steps", own->steps, 0, 1024}};
   for (size_t i = 0;
        i < sizeof ranges / sizeof *ranges && status == HBIL_SUCCESS; ++i)
     if (ranges[i].value < ranges[i].least || ranges[i].value > ranges[i].most)
@@ -216,6 +215,10 @@ hbil_status cache_update_take(hbil_context *context,
           fail(context, HBIL_INVALID_ARGUMENT, "%s: %u is outside %u .. %u",
                ranges[i].field, (unsigned)ranges[i].value,
                (unsigned)ranges[i].least, (unsigned)ranges[i].most);
+  if (status == HBIL_SUCCESS && (unsigned)own->far_field > HBIL_FAR_AUTO)
+    status = fail(context, HBIL_INVALID_ARGUMENT,
+                  "far_field: %d; must be one of hbil_far_field",
+                  (int)own->far_field);
   if (own->far_field == HBIL_FAR_AUTO)
     own->far_field = HBIL_FAR_FRAME;
   if (status == HBIL_SUCCESS)

@@ -2,6 +2,7 @@
 #include "cache.h"
 
 #include "camera.h"
+#include "config.h"
 
 _Static_assert((int)HBIL_LIGHT_VIEWS == HBIL_MAX_LIGHT_VIEWS, "light views");
 
@@ -40,9 +41,9 @@ hbil_status hbil_enqueue_cache_light_views(hbil_cache *cache,
     return fail_null(cache->context, __func__, "views");
   if (cache && cache->config.method != HBIL_CACHE_METHOD_RSM)
     return fail(cache->context, HBIL_INVALID_ARGUMENT,
-                "cache: its method is %d; light views need "
+                "cache: its method is %s; light views need "
                 "HBIL_CACHE_METHOD_RSM",
-                (int)cache->config.method);
+                cache_method_name(cache->config.method));
   if (cache && count > HBIL_MAX_LIGHT_VIEWS)
     return fail(cache->context, HBIL_INVALID_ARGUMENT,
                 "count: %u; a cache has %d light views at most",

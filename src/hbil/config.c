@@ -18,6 +18,16 @@ bool config_has_thickness(const hbil_config *config) {
          !isinf(near_thickness_share(config));
 }
 
+const char *cache_method_name(hbil_cache_method method) {
+  static const char *const names[] = {
+      [HBIL_CACHE_METHOD_NONE] = "HBIL_CACHE_METHOD_NONE",
+      [HBIL_CACHE_METHOD_RAYS] = "HBIL_CACHE_METHOD_RAYS",
+      [HBIL_CACHE_METHOD_CONES] = "HBIL_CACHE_METHOD_CONES",
+      [HBIL_CACHE_METHOD_LPV] = "HBIL_CACHE_METHOD_LPV",
+      [HBIL_CACHE_METHOD_RSM] = "HBIL_CACHE_METHOD_RSM"};
+  return names[method];
+}
+
 /* Bytes in version 0.1, the least that a caller's struct may have.  Fields of
  * later versions follow these (configure.ac has the rules). */
 enum {
@@ -277,9 +287,9 @@ static hbil_status check_mode(hbil_context *context,
   if (config->model.mode != HBIL_MODE_HBIL && config->model.cache_method)
     return fail(
         context, HBIL_INVALID_CONFIG,
-        "model.cache_method: %d; must be HBIL_CACHE_METHOD_NONE, HBIL_MODE_%s "
+        "model.cache_method: %s; must be HBIL_CACHE_METHOD_NONE, HBIL_MODE_%s "
         "reads no radiance",
-        (int)config->model.cache_method, mode);
+        cache_method_name(config->model.cache_method), mode);
   if (config->model.mode == HBIL_MODE_HBAO &&
       config->model.far_field == HBIL_FAR_SH)
     return fail(

@@ -20,6 +20,9 @@ hbil_status frame_take(hbil_context *context, const hbil_frame *given,
 /* hbil_model.relative_thickness of HBIL_MODEL_DEFAULT. */
 #define DEFAULT_RELATIVE_THICKNESS 0.06f
 
+/* The enumerator, for messages about settings that were accepted. */
+const char *cache_method_name(hbil_cache_method method);
+
 /* Whether the light of any sample may be rejected because it faces away. */
 bool config_rejects_back_faces(const hbil_config *config);
 

@@ -62,8 +62,9 @@ static hbil_status check_cache(const hbil_plan *plan, const hbil_frame *frame) {
   /* every cache has what rays need */
   if (method != HBIL_CACHE_METHOD_RAYS && method != frame->cache->config.method)
     return fail(plan->context, HBIL_INVALID_FRAME,
-                "cache: of method %d; the plan's model.cache_method is %d",
-                (int)frame->cache->config.method, (int)method);
+                "cache: its method is %s; the plan's model.cache_method is %s",
+                cache_method_name(frame->cache->config.method),
+                cache_method_name(method));
   if (frame->cache->context != plan->context)
     return fail(plan->context, HBIL_INVALID_FRAME,
                 "cache: not of the plan's context");

@@ -21,6 +21,7 @@
 #define cache_centre hbil_internal_cache_centre
 #define cache_change_take hbil_internal_cache_change_take
 #define cache_config_take hbil_internal_cache_config_take
+#define cache_method_name hbil_internal_cache_method_name
 #define cache_middle hbil_internal_cache_middle
 #define cache_scale hbil_internal_cache_scale
 #define cache_sizes hbil_internal_cache_sizes

@@ -457,6 +457,11 @@ static void bad_arguments_are_rejected_by_name(void **state) {
 }
 
 static void plans_need_their_method_in_the_cache(void **state) {
+  static const char *const names[] = {
+      [HBIL_CACHE_METHOD_RAYS] = "HBIL_CACHE_METHOD_RAYS",
+      [HBIL_CACHE_METHOD_CONES] = "HBIL_CACHE_METHOD_CONES",
+      [HBIL_CACHE_METHOD_LPV] = "HBIL_CACHE_METHOD_LPV",
+      [HBIL_CACHE_METHOD_RSM] = "HBIL_CACHE_METHOD_RSM"};
   (void)state;
   shim_skip_builds(true);
   for (hbil_cache_method p = first_method; p <= last_method; ++p)
@@ -469,11 +474,13 @@ static void plans_need_their_method_in_the_cache(void **state) {
       hbil_cache *other = t.s.frame.cache = cache_for(q);
       room_rejected(hbil_enqueue_frame(t.s.plan, shared_device.queue,
                                        &t.s.frame, 0, NULL, NULL),
-                    HBIL_INVALID_FRAME, "cache");
+                    HBIL_INVALID_FRAME, names[q]);
+      assert_non_null(
+          strstr(hbil_context_message(shared_device.hbil), names[p]));
       if (q != HBIL_CACHE_METHOD_RSM)
         room_rejected(hbil_enqueue_cache_light_views(other, shared_device.queue,
                                                      t.views, 1, 0, NULL, NULL),
-                      HBIL_INVALID_ARGUMENT, "HBIL_CACHE_METHOD_RSM");
+                      HBIL_INVALID_ARGUMENT, names[q]);
       t.s.frame.cache = own;
       hbil_cache_destroy(other);
       stop(&t);

@@ -268,7 +268,8 @@ static const char *spoil_update(hbil_cache_update *u, int which) {
   SPOIL("bounces", u->bounces = 1025);
   SPOIL("phases", u->phases = 0);
   SPOIL("phases", u->phases = 4097);
-  SPOIL("far_field", u->far_field = (hbil_far_field)7);
+  SPOIL("far_field: 7; must be one of hbil_far_field",
+        u->far_field = (hbil_far_field)7);
   SPOIL("environment[0][1]",
         (u->far_field = HBIL_FAR_CONSTANT, u->environment[0][1] = -1.0f));
   SPOIL("environment[8][2]",
