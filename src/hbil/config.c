@@ -370,6 +370,43 @@ static hbil_status check_values(hbil_context *context,
   return HBIL_SUCCESS;
 }
 
+/* Accepts the enumerators of each type. */
+static hbil_status check_choices(hbil_context *context,
+                                 const hbil_config *config) {
+#define CHOICE(member, type, last)                                             \
+  { #member, #type, (int)config->member, last }
+  const struct {
+    const char *field, *type;
+    int value, last; /* the first one is 0 */
+  } choices[] = {
+      CHOICE(inputs.projection, hbil_projection, HBIL_PROJECTION_ORTHOGRAPHIC),
+      CHOICE(inputs.depth_kind, hbil_depth_kind, HBIL_DEPTH_HARDWARE),
+      CHOICE(inputs.normal_encoding, hbil_normal_encoding,
+             HBIL_NORMAL_OCTAHEDRAL),
+      CHOICE(inputs.normal_space, hbil_space, HBIL_SPACE_WORLD),
+      CHOICE(outputs.bent_normal_space, hbil_space, HBIL_SPACE_WORLD),
+      CHOICE(inputs.direct_kind, hbil_direct_kind, HBIL_DIRECT_RADIANCE),
+      CHOICE(model.mode, hbil_mode, HBIL_MODE_HBAO),
+      CHOICE(model.falloff, hbil_falloff, HBIL_FALLOFF_NONE),
+      CHOICE(sampling.sample_grid, hbil_sample_grid, HBIL_GRID_FULL_RESOLUTION),
+      CHOICE(sampling.resolution, hbil_resolution, HBIL_RESOLUTION_HALF),
+      CHOICE(model.back_facing_fallback, hbil_back_facing_fallback,
+             HBIL_FALLBACK_FRAME_MEAN),
+      CHOICE(model.cache_method, hbil_cache_method, HBIL_CACHE_METHOD_RSM),
+      CHOICE(model.ao_bounces, hbil_ao_bounces, HBIL_AO_BOUNCES_ALBEDO),
+      CHOICE(history.reprojection, hbil_reprojection, HBIL_REPROJECTION_MOTION),
+      CHOICE(model.feedback, hbil_feedback, HBIL_FEEDBACK_RADIANCE),
+      CHOICE(model.far_field, hbil_far_field, HBIL_FAR_AUTO),
+      CHOICE(sampling.storage, hbil_storage, HBIL_STORAGE_FLOAT32),
+  };
+#undef CHOICE
+  for (size_t i = 0; i < sizeof choices / sizeof *choices; ++i)
+    if (choices[i].value < 0 || choices[i].value > choices[i].last)
+      return fail(context, HBIL_INVALID_CONFIG, "%s: %d; must be one of %s",
+                  choices[i].field, choices[i].value, choices[i].type);
+  return HBIL_SUCCESS;
+}
+
 /* Names the first field that is out of range. */
 static hbil_status config_check(hbil_context *context,
                                 const hbil_config *config) {
@@ -380,55 +417,24 @@ static hbil_status config_check(hbil_context *context,
   } ranges[] = {
       {"width", config->width, 1, HBIL_MAX_SIZE},
       {"height", config->height, 1, HBIL_MAX_SIZE},
-      {"inputs.projection", (double)config->inputs.projection, 0,
-       HBIL_PROJECTION_ORTHOGRAPHIC},
-      {"inputs.depth_kind", (double)config->inputs.depth_kind, 0,
-       HBIL_DEPTH_HARDWARE},
-      {"inputs.normal_encoding", (double)config->inputs.normal_encoding, 0,
-       HBIL_NORMAL_OCTAHEDRAL},
-      {"inputs.normal_space", (double)config->inputs.normal_space, 0,
-       HBIL_SPACE_WORLD},
-      {"outputs.bent_normal_space", (double)config->outputs.bent_normal_space,
-       0, HBIL_SPACE_WORLD},
       {"inputs.direct_scale", (double)config->inputs.direct_scale, 0, 1e30},
-      {"inputs.direct_kind", (double)config->inputs.direct_kind, 0,
-       HBIL_DIRECT_RADIANCE},
       {"inputs.motion_scale[0]", (double)config->inputs.motion_scale[0], -1e6,
        1e6},
       {"inputs.motion_scale[1]", (double)config->inputs.motion_scale[1], -1e6,
        1e6},
-      {"model.mode", (double)config->model.mode, 0, HBIL_MODE_HBAO},
-      {"model.falloff", (double)config->model.falloff, 0, HBIL_FALLOFF_NONE},
       {"sampling.slices", config->sampling.slices, 1, 32},
       {"sampling.slice_frames", config->sampling.slice_frames, 0, 4},
       {"sampling.steps_per_side", config->sampling.steps_per_side, 1, 256},
       {"sampling.step_growth", (double)config->sampling.step_growth, 0, 64},
-      {"sampling.sample_grid", (double)config->sampling.sample_grid, 0,
-       HBIL_GRID_FULL_RESOLUTION},
-      {"sampling.resolution", (double)config->sampling.resolution, 0,
-       HBIL_RESOLUTION_HALF},
       {"model.extrapolate", config->model.extrapolate, 0, 1},
       {"model.facing_fade[0]", (double)config->model.facing_fade[0], -1, 1},
       {"model.facing_fade[1]", (double)config->model.facing_fade[1], -1, 1},
-      {"model.back_facing_fallback", (double)config->model.back_facing_fallback,
-       0, HBIL_FALLBACK_FRAME_MEAN},
       {"model.gather_emission", config->model.gather_emission, 0, 1},
       {"model.offscreen_light", (double)config->model.offscreen_light, 0, 1},
-      {"model.cache_method", (double)config->model.cache_method, 0,
-       HBIL_CACHE_METHOD_RSM},
       /* as floats: 0.3f is above 0.3 */
       {"model.roughness", (double)config->model.roughness, (double)0.3f, 1},
-      {"model.ao_bounces", (double)config->model.ao_bounces, 0,
-       HBIL_AO_BOUNCES_ALBEDO},
-      {"history.reprojection", (double)config->history.reprojection, 0,
-       HBIL_REPROJECTION_MOTION},
-      {"model.feedback", (double)config->model.feedback, 0,
-       HBIL_FEEDBACK_RADIANCE},
-      {"model.far_field", (double)config->model.far_field, 0, HBIL_FAR_AUTO},
       {"sampling.unfiltered", config->sampling.unfiltered, 0, 1},
       {"execution.skip", config->execution.skip, 0, HBIL_SKIP_ALL},
-      {"sampling.storage", (double)config->sampling.storage, 0,
-       HBIL_STORAGE_FLOAT32},
       {"execution.profiling", config->execution.profiling, 0, 1},
   };
   hbil_status status = HBIL_SUCCESS;
@@ -436,7 +442,8 @@ static hbil_status config_check(hbil_context *context,
     if ((status = in_range(context, ranges[i].field, ranges[i].value,
                            ranges[i].least, ranges[i].most)) != HBIL_SUCCESS)
       return status;
-  if ((status = check_values(context, config)) != HBIL_SUCCESS ||
+  if ((status = check_choices(context, config)) != HBIL_SUCCESS ||
+      (status = check_values(context, config)) != HBIL_SUCCESS ||
       (status = check_factors(context, config)) != HBIL_SUCCESS ||
       (status = check_limits(context, config)) != HBIL_SUCCESS ||
       (status = check_formats(context, config)) != HBIL_SUCCESS)

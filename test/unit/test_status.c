@@ -162,8 +162,11 @@ static const char *spoil_config(hbil_config *c, int which) {
   SPOIL("sample_grid", c->sampling.sample_grid = (hbil_sample_grid)7);
   SPOIL("back_facing_fallback",
         c->model.back_facing_fallback = (hbil_back_facing_fallback)7);
-  SPOIL("far_field", c->model.far_field = (hbil_far_field)7);
+  SPOIL("model.far_field: 7; must be one of hbil_far_field",
+        c->model.far_field = (hbil_far_field)7);
   SPOIL("feedback", c->model.feedback = (hbil_feedback)7);
+  SPOIL("sampling.storage: -1; must be one of hbil_storage",
+        c->sampling.storage = (hbil_storage)-1);
   SPOIL("storage", c->sampling.storage = (hbil_storage)4);
   SPOIL("vector_width", c->execution.vector_width = 3);
   SPOIL("depth_scale", c->inputs.depth_scale = 0.0f);
