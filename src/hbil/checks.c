@@ -104,8 +104,10 @@ static hbil_status check_plane(const plane_rules *rules,
   const plane_shape shape = plane_shape_of(rules->config, plane, given);
   if (shape.row < plane_row_extent(&shape))
     return fail(context, HBIL_INVALID_FRAME,
-                "%s.row_pitch: %zu bytes are less than a row of %u pixels",
-                name, shape.row, (unsigned)rules->config->width);
+                "%s.row_pitch: %zu bytes are less than a row of %u pixels, "
+                "which has %zu",
+                name, shape.row, (unsigned)rules->config->width,
+                plane_row_extent(&shape));
   memory_info memory;
   hbil_status status =
       check_memory(rules, plane, given->buffer, is_image, &memory);

@@ -352,7 +352,9 @@ static const char *spoil_frame(setup *s, int which) {
   SPOIL("depth", f->depth.offset = s->bytes[PLANE_DEPTH] / 4 * 4);
   SPOIL("normal", f->normal.buffer = f->depth.buffer);
   SPOIL("albedo", f->albedo.row_pitch = 1 << 20);
-  SPOIL("albedo", f->albedo.row_pitch = 4);
+  SPOIL("albedo.row_pitch: 16 bytes are less than a row of 17 pixels, which "
+        "has 204",
+        f->albedo.row_pitch = 16);
   SPOIL("motion", f->motion.plane_pitch = 1 << 20);
   SPOIL("depth", f->depth.offset = SIZE_MAX - 3);
   SPOIL("depth", f->depth.offset = 2);
