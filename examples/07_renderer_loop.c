@@ -1,8 +1,8 @@
 /*
  * A renderer's loop.  hbil gets what the renderer has anyway: the depth buffer,
  * projection and view matrices, packed normals, motion vectors, images; and its
- * result is an image for the next pass.  On devices without images, as PoCL's,
- * the same planes are buffers.
+ * result is an image for the next pass.  On devices without images the same
+ * planes are buffers.
  *
  * This renderer has Vulkan's conventions: the first row is at y = -1 of clip
  * space, matrices are stored by columns, depth is reversed without a far plane.
