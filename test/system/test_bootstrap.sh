@@ -115,4 +115,20 @@ cp "$work/needed" "$work/installed"
 bootstrap '' "$(paste -s -d ' ' "$work/wanted")"
 installs "the tests run for users without rights"
 
+# These print, and do nothing else on a system where everything is missing.
+: >"$work/installed"
+: >"$work/calls"
+for option in -h --help; do
+  run env PATH="$work/bin:$PATH" "$work/tree/bootstrap" "$option"
+  test "$status" -eq 0 && test ! -s "$work/err" &&
+    grep -q '^usage: \./bootstrap \[demo|check\]$' "$work/out" &&
+    grep -q '^  \./bootstrap demo ' "$work/out"
+  ok $? "$option prints the usage"
+done
+run env PATH="$work/bin:$PATH" "$work/tree/bootstrap" chekc
+test "$status" -ne 0 && test ! -s "$work/out" && grep -q 'usage: ' "$work/err"
+ok $? "a word that isn't known is an error"
+test ! -s "$work/calls"
+ok $? "and nothing is installed"
+
 echo "1..$count"
