@@ -15,7 +15,7 @@ work=$(mktemp -d "${TMPDIR:-/tmp}/hbil.XXXXXX")
 trap 'rm -rf "$work"' EXIT
 flags=$(pkg-config --cflags --libs hbil)
 # shellcheck disable=SC2086
-$CC -std=c11 "$example" $flags -lm -o "$work/example"
+$CC -std=c11 -DCL_TARGET_OPENCL_VERSION=120 "$example" $flags -lm -o "$work/example"
 "$work/example"
 
 # the same with the kernels' sources that are installed
