@@ -155,8 +155,9 @@ result_state job_key_look(const char *result, uint64_t key) {
     return RESULT_MISSING;
   job_key_sign(&wanted, key);
   const int same = strcmp(header.key, wanted.key) == 0;
+  const int is_result = job_key_is_valid(header.key);
   image_free(&header);
-  return !same                                             ? RESULT_MISSING
+  return !same ? is_result ? RESULT_OTHER : RESULT_MISSING
          : exr_checksum_look(result) == EXR_CHECKSUM_RIGHT ? RESULT_FINISHED
                                                            : RESULT_DAMAGED;
 }

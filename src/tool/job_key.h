@@ -30,7 +30,8 @@ int job_key_is_valid(const char *text);
 void job_key_sign(image *result, uint64_t key);
 
 typedef enum result_state {
-  RESULT_MISSING = 0, /* no such file, or it has another key */
+  RESULT_MISSING = 0, /* no such file, or it has no key */
+  RESULT_OTHER,       /* it has another key */
   RESULT_DAMAGED,     /* it has this key, and its bytes are not those that were
                        * written; or nothing tells whether they are, since an
                        * older version wrote no checksum */

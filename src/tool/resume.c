@@ -101,10 +101,10 @@ int resume_find_key(resume *r, size_t item, image_error *error) {
   return job_key_next(&r->job->frames[item], &r->keys[item], error);
 }
 
-/* Stores the name of the first damaged file, malloc'd, and counts it. */
-static void add_damaged(resume *r, const char *path) {
-  if (!r->damaged++)
-    r->first_damaged = strdup(path);
+/* Stores the name of the first file, malloc'd, and counts all. */
+static void add_file(resume_files *files, const char *path) {
+  if (!files->count++)
+    files->first = strdup(path);
 }
 
 /* Whether all previews of a frame are there. */
@@ -115,7 +115,7 @@ static int has_previews(resume *r, const job_frame *f) {
     char *path = j->layers >> l & 1 ? job_preview_path(f, (layer)l) : NULL;
     all = !(j->layers >> l & 1) || (path && png_look(path).whole);
     if (path && !all && access(path, F_OK) == 0)
-      add_damaged(r, path);
+      add_file(&r->damaged, path);
     free(path);
   }
   return all;
@@ -132,7 +132,9 @@ static int look_for_result(resume *r, int item, image_error *error) {
     return image_no_memory(error, f->path);
   const result_state state = job_key_look(path, r->keys[item]);
   if (state == RESULT_DAMAGED)
-    add_damaged(r, path);
+    add_file(&r->damaged, path);
+  else if (state == RESULT_OTHER)
+    add_file(&r->others, path);
   r->finished[item] = state == RESULT_FINISHED &&
                       (!r->job->settings->preview || has_previews(r, f));
   free(path);
@@ -141,16 +143,17 @@ static int look_for_result(resume *r, int item, image_error *error) {
 
 /* "hbil: lit/frame_0002.exr: is damaged or has no checksum, like 2 others; it
  * is computed again" */
-static void tell_damaged(const resume *r) {
-  char text[160], others[48] = "";
-  if (!r->first_damaged || r->job->settings->quiet)
+static void tell(const resume *r, const resume_files *files, const char *what,
+                 const char *advice) {
+  char text[256], others[48] = "";
+  if (!files->first || r->job->settings->quiet)
     return;
-  if (r->damaged > 1)
-    snprintf(others, sizeof others, ", like %d other%s", r->damaged - 1,
-             r->damaged > 2 ? "s" : "");
-  snprintf(text, sizeof text,
-           "is damaged or has no checksum%s; it is computed again", others);
-  report_note(r->first_damaged, "", text);
+  if (files->count > 1)
+    snprintf(others, sizeof others, ", like %d other%s", files->count - 1,
+             files->count > 2 ? "s" : "");
+  snprintf(text, sizeof text, "%s%s; it is computed again%s", what, others,
+           advice);
+  report_note(files->first, "", text);
 }
 
 /* Restores the saved history if it is that of a frame before the first missing
@@ -208,7 +211,11 @@ static int look_for_results(resume *r, lighting *l, image_error *error) {
     r->end = i + 1;
     missing = i < missing ? i : missing;
   }
-  tell_damaged(r);
+  tell(r, &r->damaged, "is damaged or has no checksum", "");
+  tell(r, &r->others,
+       "was made with other options or frames, on another device or by another "
+       "version",
+       " (--resume leaves results alone where all of these are the same)");
   if (find_history(r, missing, l, error) != 0)
     return -1;
   tell_what_is_left(r, l);
@@ -237,7 +244,8 @@ int resume_open(resume *r, const job *j, lighting *l, image_error *error) {
 void resume_close(resume *r) {
   free(r->keys);
   free(r->history_path);
-  free(r->first_damaged);
+  free(r->damaged.first);
+  free(r->others.first);
   free(r->finished);
   memset(r, 0, sizeof *r);
 }

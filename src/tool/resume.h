@@ -30,6 +30,11 @@ void saved_history_remove(const char *path);
 /* ------------------------------------------------------------------------ */
 /* Results                                                                   */
 
+typedef struct resume_files {
+  int count;
+  char *first; /* the name of the first one; NULL: none */
+} resume_files;
+
 typedef struct resume {
   const job *job;
   uint64_t begin;          /* the key before the first frame */
@@ -39,8 +44,8 @@ typedef struct resume {
   char *history_path;      /* of the saved history */
   size_t history_size;     /* bytes; 0: frames hand on nothing */
   float exposure;          /* of all previews; 0: not known yet */
-  int damaged;             /* files that are computed again therefore */
-  char *first_damaged;     /* the name of the first one; NULL: none */
+  resume_files damaged;    /* that are computed again therefore */
+  resume_files others;     /* likewise, since they have other keys */
 } resume;
 
 /* Without --resume, nothing is finished.  With it, looks at the results that

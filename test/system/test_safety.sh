@@ -239,6 +239,22 @@ head -c $(($(wc -c <"$work/whole/frame_0002.ao.png") - 50)) \
   "$work/whole/frame_0002.ao.png" >"$file"
 heals "a preview that is cut off" 'frame_0002.ao.png: is damaged' "$work/whole" \
   "$work/resumed" --preview
+rm -rf "$work/resumed"
+cp -r "$work/whole" "$work/resumed"
+again --slices 2 --preview -o "$work/resumed" "$one" "$two"
+others='^hbil: .*/frame_0001.exr: was made with other options .*, like 1 other; it is computed again'
+test $status -eq 0 && test "$(grep -c "$others" "$work/err")" -eq 1 &&
+  test "$(grep -c 'is computed again' "$work/err")" -eq 1 &&
+  ! cmp -s "$work/whole/frame_0001.exr" "$work/resumed/frame_0001.exr"
+ok $? "results of other options are replaced, which one line says"
+rm "$work/resumed/frame_0002.exr"
+again --quiet --preview -o "$work/resumed" "$one" "$two"
+test $status -eq 0 && test ! -s "$work/err" &&
+  diff -r "$work/whole" "$work/resumed" >>"$work/err"
+ok $? "and --quiet doesn't"
+again --preview -o "$work/whole" "$one" "$two"
+test $status -eq 0 && ! grep -q 'computed again' "$work/err"
+ok $? "nor is it said of results that stay"
 
 # --- other commands ---
 
