@@ -119,7 +119,7 @@ static int lights_everything(const surface_points *s) {
   return roots > 0.0 && 20 * sky < surface_looks(s) && 500 * dark < surfaces;
 }
 
-void check_colours(const surface_points *s, findings *out) {
+void check_colours(const surface_points *s, int is_lit, findings *out) {
   static const role roles[] = {ROLE_ALBEDO, ROLE_DIRECT};
   const channel_map *map = &s->g->map;
   for (size_t k = 0; k < 2; k++)
@@ -129,7 +129,7 @@ void check_colours(const surface_points *s, findings *out) {
           "%s has whole parts of 255, as pictures with eight bits a channel "
           "have, which are gamma-encoded: --colours srgb",
           role_name(roles[k]));
-  if (map->count[ROLE_ALBEDO])
+  if (is_lit && map->count[ROLE_ALBEDO])
     check_black(s, out);
   if (map->how.shows_sources && lights_everything(s))
     findings_add(

@@ -5,6 +5,8 @@
 #include "dump/findings.h"
 #include "dump/surface_points.h"
 
-void check_colours(const surface_points *s, findings *out);
+/* is_lit: whether the frame's result is to have surfaces without albedo, too.
+ */
+void check_colours(const surface_points *s, int is_lit, findings *out);
 
 #endif

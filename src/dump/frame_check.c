@@ -71,6 +71,13 @@ static void check_radius(const surface_points *s, const extent *e,
         (double)radius, pixel, option);
 }
 
+static void check_radii(const surface_points *s, const extent *e,
+                        const hbil_model *model, findings *out) {
+  check_radius(s, e, "--radius", model->radius, out);
+  if (model->ao_radius != model->radius)
+    check_radius(s, e, "--ao-radius", model->ao_radius, out);
+}
+
 void frame_check_run(const gbuffer *g, const hbil_config *config,
                      const hbil_camera *camera, frame_check *out) {
   surface_points s = surface_points_of(g, camera);
@@ -103,9 +110,7 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
     out->agreement = check_normals(&s, out->high, others);
   out->positions = check_positions(&s, others);
   check_surfaces(&s, other_camera || others->count > 0, &out->found);
-  const hbil_model *model = &config->model;
-  check_radius(&s, &e, "--radius", model->radius, &out->found);
-  if (model->ao_radius != model->radius)
-    check_radius(&s, &e, "--ao-radius", model->ao_radius, &out->found);
-  check_colours(&s, &out->found);
+  if (config)
+    check_radii(&s, &e, &config->model, &out->found);
+  check_colours(&s, config != NULL, &out->found);
 }

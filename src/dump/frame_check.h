@@ -16,7 +16,8 @@ typedef struct frame_check {
   findings found;   /* empty for frames that fit together */
 } frame_check;
 
-/* config: its radius is checked, too. */
+/* config: its radius is checked, too; NULL: nothing is lit by the frame, which
+ * is a view. */
 void frame_check_run(const gbuffer *g, const hbil_config *config,
                      const hbil_camera *camera, frame_check *out);
 

@@ -104,6 +104,14 @@ void first_frame_free(first_frame *f) {
 /* ------------------------------------------------------------------------ */
 /* All frames                                                                */
 
+static void report_findings(const char *path, const findings *found) {
+  for (int i = 0; i < found->count; i++) {
+    progress_line_begin();
+    report_note(path, "warning: ", found->text[i]);
+    progress_line_end();
+  }
+}
+
 /* check: of this frame; NULL: it isn't checked yet. */
 static void warn(frame_source *s, const job_frame *f, const gbuffer *g,
                  const frame_check *check) {
@@ -113,11 +121,7 @@ static void warn(frame_source *s, const job_frame *f, const gbuffer *g,
   if (!check)
     frame_check_run(g, &s->job->config, &f->map.camera, &own);
   const findings *found = check ? &check->found : &own.found;
-  for (int i = 0; i < found->count; i++) {
-    progress_line_begin();
-    report_note(f->path, "warning: ", found->text[i]);
-    progress_line_end();
-  }
+  report_findings(f->path, found);
   s->warned = found->count > 0;
 }
 
@@ -179,6 +183,22 @@ static void drop_positions(gbuffer *g) {
     }
   }
   g->map.count[ROLE_POSITION] = 0;
+}
+
+int frame_source_read_learnt(const job *j, const job_frame *f, unsigned roles,
+                             gbuffer *out, image_error *error) {
+  const int is_checked = !j->settings->quiet && j->view_count &&
+                         f >= j->views && f < j->views + j->view_count;
+  const unsigned more = is_checked ? 1u << ROLE_POSITION : 0u;
+  frame_check check;
+  if (gbuffer_read(f->path, &f->map, roles | more, out, error) != 0)
+    return -1;
+  if (!is_checked)
+    return 0;
+  frame_check_run(out, NULL, &f->map.camera, &check);
+  report_findings(f->path, &check.found);
+  drop_positions(out);
+  return 0;
 }
 
 size_t frame_source_bytes(const job *j, size_t item) {

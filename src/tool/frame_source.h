@@ -57,6 +57,14 @@ size_t frame_source_bytes(const job *j, size_t item);
 int frame_source_read(frame_source *s, size_t item, image_memory *memory,
                       gbuffer *out, image_error *error);
 
+/* Reads the planes of these roles of a view, or of a frame that --learn reads,
+ * for the radiance cache.  Warns once of a view whose planes don't fit
+ * together. Returns 0 and a G-buffer that gbuffer_free() frees, or -1 with
+ * `error` filled.
+ */
+int frame_source_read_learnt(const job *j, const job_frame *f, unsigned roles,
+                             gbuffer *out, image_error *error);
+
 /* Reads the frame's channels that no layer of the result replaces, in their own
  * types.  Returns 0 and an image that image_free() frees, or -1. */
 int frame_source_read_copied(const frame_source *s, size_t item, image *out,

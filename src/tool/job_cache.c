@@ -5,6 +5,7 @@
 #include "exact/saved_cache.h"
 #include "image/clock.h"
 #include "tool/extent.h"
+#include "tool/frame_source.h"
 #include "tool/layers.h"
 #include "tool/report.h"
 #include "tool/refusal.h"
@@ -267,7 +268,7 @@ static void finish_radiance(const gbuffer *g, float direct_scale) {
 
 static int read_picture(const job_cache *jc, const job_frame *f,
                         hbil_view_light light, gbuffer *g, image_error *error) {
-  if (gbuffer_read(f->path, &f->map, roles, g, error) != 0)
+  if (frame_source_read_learnt(jc->job, f, roles, g, error) != 0)
     return -1;
   if (light == HBIL_VIEW_FINISHED)
     finish_radiance(g, jc->config.inputs.direct_scale);

@@ -345,6 +345,10 @@ moved 1000 far
 usable "a view far away" "$work/odd/far.exr"
 moved 2.4 wall
 usable "a view from inside a wall" "$work/odd/wall.exr"
+run small --learn --view "$work/odd/wall.exr" --view "$two" -o "$work/odd-told" "$one"
+told '^hbil: .*/wall.exr: warning: the camera stands .*: the camera of another frame' &&
+  test "$(grep -c 'warning' "$work/err")" -eq 1
+ok $? "a view with the camera of another picture is told of, once"
 # A channel under another name of the same length isn't there.
 without() { # NAME CHANNELS AS
   LC_ALL=C sed "s/$2\\./$3./g" "$two" >"$work/odd/$1.exr"
