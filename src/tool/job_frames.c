@@ -266,6 +266,15 @@ static int check_view_roles(const job *j, const job_frame *v,
   return 0;
 }
 
+/* A file of --camera is that of the frames, but all positions tell cameras. */
+static const char *camera_of_view(const job *j, const job_frame *v) {
+  const char *camera = j->settings->camera;
+  return camera && strcmp(camera, "positions") == 0 &&
+                 v->map.count[ROLE_POSITION]
+             ? camera
+             : NULL;
+}
+
 static int read_view_header(const job *j, job_frame *v, image_error *error) {
   const source_options *source = &j->settings->source;
   image header;
@@ -274,8 +283,8 @@ static int read_view_header(const job *j, job_frame *v, image_error *error) {
   int failed =
       channel_map_read(v->path, &header, source, &v->map, error) != 0 ||
       check_view_roles(j, v, error) != 0 ||
-      frame_camera_read(v->path, &header, &v->map, NULL, source, &v->seen,
-                        &v->camera_path, error) != 0;
+      frame_camera_read(v->path, &header, &v->map, camera_of_view(j, v), source,
+                        &v->seen, &v->camera_path, error) != 0;
   image_free(&header);
   if (!failed && !v->seen.placed)
     failed = image_fail(error,

@@ -349,6 +349,9 @@ run small --learn --view "$work/odd/wall.exr" --view "$two" -o "$work/odd-told" 
 told '^hbil: .*/wall.exr: warning: the camera stands .*: the camera of another frame' &&
   test "$(grep -c 'warning' "$work/err")" -eq 1
 ok $? "a view with the camera of another picture is told of, once"
+run small --overwrite --camera positions --view "$work/odd/wall.exr" -o "$work/odd-told" "$one"
+test $status -eq 0 && ! grep -q 'warning' "$work/err"
+ok $? "and --camera positions, which the warning names, helps"
 # A channel under another name of the same length isn't there.
 without() { # NAME CHANNELS AS
   LC_ALL=C sed "s/$2\\./$3./g" "$two" >"$work/odd/$1.exr"
