@@ -109,7 +109,7 @@ void timings_warn_sanitized(const timing_row *rows, size_t count) {
   if (!first)
     return;
   fputs("hbil: warning: pixels whose values mean nothing (NaN, infinite, "
-        "negative) were replaced: ",
+        "negative, albedo above 1, normals of length 0) were replaced: ",
         stderr);
   for (int k = 0; k < FACING_AWAY; k++)
     if (sums[k]) {

@@ -151,11 +151,11 @@ ok $? "and they add up"
 name="values that mean nothing are counted in one line"
 if command -v oiiotool >/dev/null; then
   # of the channels in their order: albedo, depth, direct light, ...
-  oiiotool "$one" --mulc 1,1,1,1,-1,-1,-1,1,1,1,1,1,1,1,1,1,1,1 -o "$work/dark.exr" >"$work/out" 2>&1
+  oiiotool "$one" --mulc 17,17,17,1,-1,-1,-1,1,1,1,1,1,1,1,1,1,1,1 -o "$work/dark.exr" >"$work/out" 2>&1
   cp "${one%.exr}.json" "$work/dark.json"
   # shellcheck disable=SC2086
   run "$HBIL" process --overwrite --far environment $fast --warm-up 0 -o "$work/t" "$two" "$work/dark.exr"
-  replaced='^hbil: warning: pixels whose values mean nothing .* were replaced: direct [0-9]*; the first ones in'
+  replaced='^hbil: warning: pixels whose values mean nothing (.* albedo above 1,.*) were replaced: albedo [0-9]*, direct [0-9]*; the first ones in'
   test $status -eq 0 && test "$(grep -c "$replaced .*/dark.exr (hbil info)\$" "$work/err")" -eq 1
   ok $? "$name"
 else
