@@ -39,7 +39,14 @@ double unknown_mean(const timing_row *rows, size_t count, size_t *surfaces) {
   return *surfaces ? sum / (double)*surfaces : 0.0;
 }
 
-void unknown_report(const timing_row *rows, size_t count) {
+/* Whether frames could learn from later ones of their place. */
+static int could_learn(const job *whole) {
+  const process_settings *s = whole->settings;
+  return whole->count > whole->place_count && !s->learn && !s->cache_fixed &&
+         !s->decide_by;
+}
+
+void unknown_report(const job *whole, const timing_row *rows, size_t count) {
   size_t surfaces;
   const double mean = unknown_mean(rows, count, &surfaces);
   if (!surfaces)
@@ -49,8 +56,11 @@ void unknown_report(const timing_row *rows, size_t count) {
           "a guess\n",
           100.0 * mean);
   if (mean > MOST_UNKNOWN)
-    fputs("hbil: warning: most of the indirect light is a guess, because the "
-          "frame doesn't show what surrounds it; --view with other pictures of "
-          "the place, or --environment with the light that is there, helps\n",
-          stderr);
+    fprintf(stderr,
+            "hbil: warning: most of the indirect light is a guess, because the "
+            "frame doesn't show what surrounds it; --view with other pictures "
+            "of the place, %sor --environment with the light that is there, "
+            "helps\n",
+            could_learn(whole) ? "--learn, if later frames show more of it, "
+                               : "");
 }

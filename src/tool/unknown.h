@@ -15,8 +15,8 @@ void unknown_measure(const job *j, const gbuffer *g, const float *share,
 /* The mean over all surfaces of these frames; *surfaces: their number. */
 double unknown_mean(const timing_row *rows, size_t count, size_t *surfaces);
 
-/* Prints the mean as a line on standard error, and a warning if it is large;
- * nothing without surfaces. */
-void unknown_report(const timing_row *rows, size_t count);
+/* Prints the mean of a whole job as a line on standard error, and a warning if
+ * it is large; nothing without surfaces. */
+void unknown_report(const job *whole, const timing_row *rows, size_t count);
 
 #endif

@@ -94,8 +94,14 @@ works "which is that of ao in a room" compare --max-rmse 1e-6 --mask "$one" \
 # shellcheck disable=SC2086
 run "$HBIL" process --overwrite --far environment $fast --warm-up 0 --environment frame \
   --radius 0.1 -o "$work/guess" "$one" "$two"
-test $status -eq 0 && test "$(grep -c "$warned" "$work/err")" -eq 1
-ok $? "a warning says once that most of the light is a guess"
+test $status -eq 0 && test "$(grep -c "$warned" "$work/err")" -eq 1 &&
+  grep -q -e ', --learn, if later frames' "$work/err"
+ok $? "a warning says once that most of the light is a guess, and that --learn helps"
+# shellcheck disable=SC2086
+run "$HBIL" process --overwrite --far environment $fast --warm-up 0 --environment frame \
+  --radius 0.1 -o "$work/guess" "$one"
+test $status -eq 0 && grep -q "$warned" "$work/err" && ! grep -q -e '--learn' "$work/err"
+ok $? "which has nothing to learn from in a single frame"
 # shellcheck disable=SC2086
 run process $fast --warm-up 0 --environment frame --radius 0.1 \
   -o "$work/guess" "$one"
