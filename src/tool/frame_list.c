@@ -123,15 +123,31 @@ static int exists(const char *file) {
   return stat(file, &status) == 0 || (errno != ENOENT && errno != ENOTDIR);
 }
 
+static int report_none(const pattern *p, image_error *error) {
+  return image_fail(error,
+                    "%s: there is no such frame; a pattern of files that exist "
+                    "is needed",
+                    p->text);
+}
+
 static int report_missing(const pattern *p, const frame_numbers *missing,
                           size_t all, image_error *error) {
-  char text[256];
+  frame_numbers there = {NULL, 0, 0};
+  char text[256], rest[256];
+  int failed = find_numbers(p, &there, error);
   frame_numbers_name(missing, text, sizeof text);
-  return image_fail(error,
-                    "%s: %zu of %zu frames %s missing: %s; --frames with those "
-                    "that are there is needed",
-                    p->text, missing->count, all,
-                    missing->count == 1 ? "is" : "are", text);
+  frame_numbers_name(&there, rest, sizeof rest);
+  if (!failed && there.count == 0)
+    failed = report_none(p, error);
+  else if (!failed)
+    failed =
+        image_fail(error,
+                   "%s: %zu of %zu frames %s missing: %s; --frames with those "
+                   "that are there (%s) is needed",
+                   p->text, missing->count, all,
+                   missing->count == 1 ? "is" : "are", text, rest);
+  frame_numbers_free(&there);
+  return failed;
 }
 
 /* Without --frames, a gap between equally spaced numbers is an accident. */
@@ -224,10 +240,7 @@ static int add_existing(const pattern *p, int holes, frame_list *list,
   frame_numbers there = {NULL, 0, 0};
   int failed = find_numbers(p, &there, error);
   if (!failed && there.count == 0)
-    failed = image_fail(error,
-                        "%s: there is no such frame; a pattern of files that "
-                        "exist is needed",
-                        p->text);
+    failed = report_none(p, error);
   if (!failed)
     failed = (!holes && check_holes(p, &there, error) != 0) ||
              add_numbered(p, &there, list, error) != 0;

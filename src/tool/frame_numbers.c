@@ -47,10 +47,11 @@ int frame_number_read(const char **next, unsigned *out) {
   return digits > 0 && digits <= FRAME_DIGITS ? 0 : -1;
 }
 
-/* FIRST, FIRST-LAST or FIRST-LASTxSTEP.  (OpenImageIO's enumerate_sequence()
- * also takes "3-1", "1-2x0" and "-1", and turns 99999999999999 into 2^31-1,
- * without an error.) */
-static int read_range(const char **next, frame_numbers *out) {
+/* FIRST, FIRST-LAST or FIRST-LASTxSTEP.  reversed: receives both numbers if the
+ * first one is larger.  (OpenImageIO's enumerate_sequence() also takes "3-1",
+ * "1-2x0" and "-1", and turns 99999999999999 into 2^31-1, without an error.) */
+static int read_range(const char **next, frame_numbers *out,
+                      unsigned reversed[2]) {
   unsigned first, last, step = 1;
   if (frame_number_read(next, &first) != 0)
     return -1;
@@ -65,6 +66,10 @@ static int read_range(const char **next, frame_numbers *out) {
         return -1;
     }
   }
+  if (last < first) {
+    reversed[0] = first;
+    reversed[1] = last;
+  }
   if (last < first || step == 0)
     return -1;
   for (unsigned i = first; i <= last; i += step)
@@ -76,13 +81,19 @@ static int read_range(const char **next, frame_numbers *out) {
 int frame_numbers_read(const char *text, frame_numbers *out,
                        image_error *error) {
   const char *next = text;
-  int failed = read_range(&next, out);
+  unsigned reversed[2] = {0, 0};
+  int failed = read_range(&next, out, reversed);
   while (!failed && *next == ',') {
     next++;
-    failed = read_range(&next, out);
+    failed = read_range(&next, out, reversed);
   }
   if (!failed && !*next)
     return 0;
+  if (reversed[0])
+    return image_fail(error,
+                      "--frames %s: %u is after %u; FIRST-LAST with the "
+                      "smaller number first is needed",
+                      text, reversed[0], reversed[1]);
   return image_fail(error,
                     "--frames %s: FIRST-LAST, FIRST-LASTxSTEP or several of "
                     "them with commas are needed, such as 1-240x2, of at most "

@@ -64,26 +64,31 @@ works "a file whose name is like a pattern" \
 has "is taken as it is" "$work/lit/b.%d.exr"
 
 rejected "missing frames are all named" \
-  ': 5 of 9 frames are missing: 6-9, 20; --frames' \
+  ': 5 of 9 frames are missing: 6-9, 20; --frames with those that are there (1-5) is needed' \
   exact --frames 2-9,20 -o "$out" "$frames/frame_%04d.exr"
 rejected "those of a list, too" \
   ': 2 of 3 frames are missing: .*/x.exr, .*/y.exr$' \
   exact -o "$out" "$work/x.exr" "$frames/frame_0001.exr" "$work/y.exr"
 mkdir "$work/holes"
 cp "$frames"/frame_000[1245].* "$work/holes"
-rejected "a hole is an accident" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
+rejected "a hole is an accident" 'frame_####.exr: 1 of 5 frames is missing: 3; .*there (1-2, 4-5)' \
   exact -o "$out" "$work/holes/frame_####.exr"
 works "unless it is asked for" \
   exact --frames 1-2,4-5 -o "$work/asked" "$work/holes/frame_####.exr"
 rm "$work"/holes/frame_000[24].*
 works "every fourth frame has no hole" \
   exact -o "$work/fourth" "$work/holes/frame_####.exr"
-rejected "no such frame at all" 'g.%d.exr: there is no such frame' \
-  exact -o "$out" "$work/shot/g.%d.exr"
-for range in '' 1- 1-2x 1-2x0 3-1 -1 1,,2 1-2, a 1-2y3 99999999 0-9999999; do
+for range in '' '--frames 1-3'; do
+  # shellcheck disable=SC2086
+  rejected "no such frame at all $range" 'g.%d.exr: there is no such frame' \
+    exact $range -o "$out" "$work/shot/g.%d.exr"
+done
+for range in '' 1- 1-2x 1-2x0 -1 1,,2 1-2, a 1-2y3 99999999 0-9999999; do
   rejected "--frames '$range'" "^hbil: --frames $range: FIRST-LAST" \
     exact --frames "$range" -o "$out" "$frames/frame_%04d.exr"
 done
+rejected "--frames from the last to the first" '^hbil: --frames 1,5-2: 5 is after 2; FIRST-LAST' \
+  exact --frames 1,5-2 -o "$out" "$frames/frame_%04d.exr"
 rejected "--frames without a place for them" 'has no place for a number' \
   exact --frames 1 -o "$out" "$frames/frame_0001.exr"
 absent "what was rejected left nothing" "$out"
