@@ -71,6 +71,21 @@ static void check_radius(const surface_points *s, const extent *e,
         (double)radius, pixel, option);
 }
 
+/* Why there is no surface at all. */
+static void find_why_empty(const surface_points *s, findings *out) {
+  surface_points all = *s;
+  all.inputs.sky_depth = INFINITY;
+  const extent e = measure(&all);
+  if (e.surface)
+    findings_add(out,
+                 "no pixel has a depth below %g, where the sky begins; the "
+                 "nearest one is at %g: --sky-depth or --unit-scale?",
+                 (double)s->inputs.sky_depth, e.low[2]);
+  else
+    findings_add(out,
+                 "no pixel has a depth: --depth, --sky-depth or --map depth?");
+}
+
 static void check_radii(const surface_points *s, const extent *e,
                         const hbil_model *model, findings *out) {
   check_radius(s, e, "--radius", model->radius, out);
@@ -93,8 +108,7 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   if (e.surface == 0 && other_camera)
     return;
   if (e.surface == 0) {
-    findings_add(&out->found,
-                 "no pixel has a depth: --depth, --sky-depth or --map depth?");
+    find_why_empty(&s, &out->found);
     return;
   }
   out->low = e.low[2];

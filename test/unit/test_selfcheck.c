@@ -248,7 +248,10 @@ static void finds_device_depth(void **state) {
   finds(&d, "--depth device");
   d = dump_begin_plain(SCENE_ROOM);
   memset(dump_plane(&d, "depth.Z"), 0, sizeof(float) * PIXELS);
-  finds(&d, "no pixel has a depth");
+  finds(&d, "no pixel has a depth: ");
+  d = dump_begin_plain(SCENE_ROOM);
+  d.options.sky_depth = 0.001f;
+  finds(&d, "no pixel has a depth below 0.001, where the sky begins");
 }
 
 /* The message says what is impossible, and what would help. */
