@@ -71,6 +71,29 @@ static void check_radius(const surface_points *s, const extent *e,
         (double)radius, pixel, option);
 }
 
+/* Whether values that no depth buffer has, and that mean no sky, are those of
+ * more than a tenth of the pixels. */
+static int check_buffer(const surface_points *s, findings *out) {
+  const float *stored = gbuffer_plane(s->g, ROLE_DEPTH, 0);
+  const float largest_half = 65504.0f;
+  float most = 0.0f;
+  size_t above = 0;
+  if (!channel_map_depth_is_hardware(&s->g->map))
+    return 0;
+  for (size_t i = 0; i < gbuffer_pixels(s->g); i = surface_next(s, i))
+    if (stored[i] > 1.001f && stored[i] < largest_half) {
+      most = fmaxf(most, stored[i]);
+      above++;
+    }
+  if (10 * above <= surface_looks(s))
+    return 0;
+  findings_add(out,
+               "depths above 1, up to %g, can't be those of a depth buffer: "
+               "--depth planar, or ray?",
+               (double)most);
+  return 1;
+}
+
 /* Why there is no surface at all. */
 static void find_why_empty(const surface_points *s, findings *out) {
   surface_points all = *s;
@@ -99,13 +122,14 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   memset(out, 0, sizeof *out);
   out->agreement = out->positions = NAN;
   const int other_camera = check_positions_camera(&s, &out->found);
+  const int no_buffer = check_buffer(&s, &out->found);
   extent e = measure(&s);
   if (e.surface == 0) { /* a small one may lie between the rows */
     s.row_step = 1;
     e = measure(&s);
   }
   out->surface = (double)e.surface / (double)surface_looks(&s);
-  if (e.surface == 0 && other_camera)
+  if (e.surface == 0 && (other_camera || no_buffer))
     return;
   if (e.surface == 0) {
     find_why_empty(&s, &out->found);
@@ -114,6 +138,8 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   out->low = e.low[2];
   out->high = e.high[2];
   out->facing = (double)e.facing / (double)e.surface;
+  if (no_buffer)
+    return;              /* all else would follow from that */
   findings hidden = {0}; /* what only follows from another camera */
   findings *others = other_camera ? &hidden : &out->found;
   const int has_normals = g->map.count[ROLE_NORMAL] > 0;

@@ -249,6 +249,13 @@ static void finds_device_depth(void **state) {
   d = dump_begin_plain(SCENE_ROOM);
   memset(dump_plane(&d, "depth.Z"), 0, sizeof(float) * PIXELS);
   finds(&d, "no pixel has a depth: ");
+  for (int reversed = 0; reversed < 2; reversed++) {
+    d = dump_begin_plain(SCENE_ROOM);
+    d.options.depth = reversed ? DEPTH_REVERSED : DEPTH_DEVICE;
+    d.options.clip[0] = 0.1f;
+    d.options.clip[1] = 100.0f;
+    finds(&d, "depths above 1, up to ");
+  }
   d = dump_begin_plain(SCENE_ROOM);
   d.options.sky_depth = 0.001f;
   finds(&d, "no pixel has a depth below 0.001, where the sky begins");
