@@ -62,10 +62,10 @@ extern "C" {
  * that is less than half or more than twice of what it was replaces that mean
  * at once.  Views between two updates show one moment.  Where they agree that
  * there is less light than before, by a tenth or more, what they don't see is
- * dimmed by as much, region by region (a quarter of the coarsest level's width);
- * it is never brightened.  Light that has gone altogether counts where it was
- * more than half of what is seen: next to a patch of sun, views of the same
- * voxel may see its lit part or its dark part.
+ * dimmed by as much, region by region (a quarter of the coarsest level's
+ * width); it is never brightened.  Light that has gone altogether counts where
+ * it was more than half of what is seen: next to a patch of sun, views of the
+ * same voxel may see its lit part or its dark part.
  */
 typedef struct hbil_cache hbil_cache;
 

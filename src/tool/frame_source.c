@@ -196,6 +196,12 @@ int frame_source_read_learnt(const job *j, const job_frame *f, unsigned roles,
   if (!is_checked)
     return 0;
   frame_check_run(out, NULL, &f->map.camera, &check);
+  if (f->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC &&
+      j->frames[0].map.projection == HBIL_PROJECTION_PERSPECTIVE)
+    findings_add(&check.found,
+                 "its rays are parallel; if it is a picture from the sun, it "
+                 "shows lit surfaces alone and makes places too bright: leave "
+                 "it out, or compare --far rsm --light-view");
   report_findings(f->path, &check.found);
   drop_positions(out);
   return 0;
