@@ -46,8 +46,8 @@ extern "C" {
  *   What the cache's light adds to a frame is a mean over four frames, which
  *   follows the surfaces by the cameras and begins anew where it has changed by
  *   a quarter.  Nothing is averaged with HBIL_REPROJECTION_NONE.
- *   Where the last update has found that a region has less light, the light
- *   that the last frame hands on falls by the same factor there.  So does the
+ *   Where the last update has found that a region has less light, or light was
+ *   forgotten, what the last frame hands on falls by the same factor there.  So does the
  *   light of slices that frames share (sampling.slice_frames).
  *
  * ORDER
@@ -282,7 +282,9 @@ typedef struct hbil_cache_change {
   float surfaces;
   /* Share of the light that they send, 0..1.  They send so much less until a
    * view shows them, and earlier views lose weight likewise.  The bounces of
-   * the next update light them anew. */
+   * the next update light them anew.  What the last frame hands on falls
+   * likewise in those regions (4 x 4 x 4 of the coarsest level) whose middle is
+   * in the box. */
   float light;
 } hbil_cache_change;
 

@@ -76,6 +76,30 @@ static hbil_status level_ratios(commands *chain, hbil_cache *cache) {
                      cache->bytes[CACHE_RATIOS]);
 }
 
+static void forget_nothing(hbil_cache *cache) {
+  for (int i = 0; i < HBIL_CACHE_REGIONS; ++i)
+    cache->left.left[i] = 1.0f;
+}
+
+/* Regions whose middles are in the box keep so much of the light that the last
+ * frame hands on. */
+static void forget_regions(hbil_cache *cache,
+                           const hbil_cache_forget_args *box) {
+  const int across = HBIL_CACHE_REGIONS_ACROSS;
+  const float coarsest = (float)(1u << (cache->config.levels - 1));
+  const float width = coarsest * (float)cache->config.voxels / (float)across;
+  for (int i = 0; i < HBIL_CACHE_REGIONS; ++i) {
+    const int at[3] = {i % across, i / across % across, i / (across * across)};
+    bool inside = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float middle =
+          ((float)at[axis] + 0.5f - 0.5f * (float)across) * width;
+      inside &= middle > box->low[axis] && middle < box->high[axis];
+    }
+    cache->left.left[i] *= inside ? 1.0f - box->light : 1.0f;
+  }
+}
+
 /* What no view sees any more follows what views see. */
 static hbil_status follow_change(commands *chain, hbil_cache *cache) {
   const hbil_cache_args args = cache_args(cache);
@@ -85,6 +109,7 @@ static hbil_status follow_change(commands *chain, hbil_cache *cache) {
                            ARG(cache->buffers[CACHE_VOXELS]), ARG(changes)};
   const argument region[] = {ARG(changes)};
   const argument ratio[] = {ARG(changes), ARG(ratios)};
+  const argument left[] = {ARG(cache->left), ARG(ratios)};
   const argument follow[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                              ARG(ratios), ARG(cache->buffers[CACHE_VOXELS])};
   ++cache->changes;
@@ -97,9 +122,13 @@ static hbil_status follow_change(commands *chain, hbil_cache *cache) {
   if (status == HBIL_SUCCESS)
     status = LAUNCH(chain, CACHE_KERNEL_CHANGE_RATIO, ratio, HBIL_CACHE_REGIONS,
                     1, 1);
-  return status == HBIL_SUCCESS
-             ? LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FOLLOW_CHANGE, follow)
-             : status;
+  if (status == HBIL_SUCCESS)
+    status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FOLLOW_CHANGE, follow);
+  if (status == HBIL_SUCCESS)
+    status =
+        LAUNCH(chain, CACHE_KERNEL_LEFT_RATIO, left, HBIL_CACHE_REGIONS, 1, 1);
+  forget_nothing(cache);
+  return status;
 }
 
 /* Work-items among which listed surfaces are divided.  Only the device knows
@@ -359,6 +388,7 @@ hbil_status hbil_enqueue_cache_forget(hbil_cache *cache, cl_command_queue queue,
   const argument list[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                            ARG(cache->buffers[CACHE_VOXELS])};
   cache_changed(cache, change.surfaces == 0.0f);
+  forget_regions(cache, &args);
   status = LAUNCH_WORDS(&chain, cache, CACHE_KERNEL_FORGET_BOX, list);
   if (status == HBIL_SUCCESS)
     status = finish_commands(&chain, event);
@@ -384,6 +414,7 @@ hbil_status forget_all(commands *chain, hbil_cache *cache) {
     status = build_pyramid(chain, cache);
   cache->updates = 0;
   cache->lights = 0;
+  forget_nothing(cache);
   return status;
 }
 

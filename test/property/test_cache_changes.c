@@ -163,6 +163,60 @@ static void what_is_told_needs_no_view(void **state) {
   hbil_cache_destroy(cache);
 }
 
+static double most_indirect(const exact_planes *out) {
+  double most = 0.0;
+  for (int y = 0; y < out->height; ++y)
+    for (int x = 0; x < out->width; ++x)
+      for (int c = 0; c < 3; ++c)
+        most = fmax(most, *exact_at(out, EXACT_INDIRECT + c, x, y));
+  return most;
+}
+
+/* The light that the last frame hands on, and that of the slices that both
+ * share, is forgotten with that of the cache, so no corner glows. */
+static void what_is_told_reaches_what_frames_hand_on(void **state) {
+  const room lit = room_lit();
+  const hbil_camera camera =
+      room_camera(eye, BEHIND, ROOM_WIDTH, ROOM_HEIGHT, 120.0);
+  hbil_cache *cache = room_cache(&shared_device);
+  hbil_view views[WALLS];
+  hbil_cache_change change;
+  double light[3];
+  setup s;
+  (void)state;
+  room_views(&shared_device, &lit, room_middle, 64, HBIL_VIEW_DIRECT, views);
+  room_inject(&shared_device, cache, views, WALLS, 4);
+  hbil_cache_change_init(&change);
+  change.light = 1.0f;
+  room_setup(&s, &lit, &camera, ROOM_WIDTH, ROOM_HEIGHT);
+  s.config.outputs.indirect = three_floats;
+  s.config.history.reprojection = HBIL_REPROJECTION_CAMERA;
+  s.config.sampling.slices = 4;
+  s.config.sampling.slice_frames = 2;
+  setup_start(&s);
+  for (int i = 0; i < 3; ++i) {
+    if (i == 2) {
+      for (int c = 0; c < 3; ++c)
+        for (size_t k = 0; k < setup_pixels(&s); ++k)
+          s.input[EXACT_DIRECT + c][k] = s.input[EXACT_EMISSION + c][k] = 0.0f;
+      setup_upload(&s);
+      assert_success(&s, hbil_enqueue_cache_forget(cache, shared_device.queue,
+                                                   &change, 0, NULL, NULL));
+      assert_success(&s, hbil_enqueue_cache_update(cache, shared_device.queue,
+                                                   NULL, 0, NULL, NULL));
+    }
+    s.frame.cache = cache;
+    exact_planes out = room_outputs(&s);
+    light[i] = most_indirect(&out);
+    exact_planes_free(&out);
+  }
+  assert_true(light[1] > 0.05);
+  check_at_most("light, of that before", light[2] / light[1], 1e-3);
+  setup_free(&s);
+  room_views_free(views, WALLS);
+  hbil_cache_destroy(cache);
+}
+
 /* What changes by less is noise: a mean over five views. */
 static void noise_is_averaged(void **state) {
   room rooms[5];
@@ -185,6 +239,7 @@ int main(void) {
       cmocka_unit_test(other_light_counts_at_once),
       cmocka_unit_test(what_is_not_seen_follows_what_is),
       cmocka_unit_test(what_is_told_needs_no_view),
+      cmocka_unit_test(what_is_told_reaches_what_frames_hand_on),
       cmocka_unit_test(noise_is_averaged)};
   return RUN_WITH_DEVICE(tests);
 }
