@@ -47,8 +47,8 @@ extern "C" {
  *   follows the surfaces by the cameras and begins anew where it has changed by
  *   a quarter.  Nothing is averaged with HBIL_REPROJECTION_NONE.
  *   Where the last update has found that a region has less light, or light was
- *   forgotten, what the last frame hands on falls by the same factor there.  So does the
- *   light of slices that frames share (sampling.slice_frames).
+ *   forgotten, what the last frame hands on falls by the same factor there.  So
+ * does the light of slices that frames share (sampling.slice_frames).
  *
  * ORDER
  *   Commands of a cache run in the order of the calls, like those of a plan,
@@ -60,12 +60,13 @@ extern "C" {
  * hbil_enqueue_cache_forget() or hbil_enqueue_cache_reset().  A voxel is the
  * mean of the views that saw it, in which a new one counts 1/16 or more.  Light
  * that is less than half or more than twice of what it was replaces that mean
- * at once.  Views between two updates show one moment.  Where they agree that
- * there is less light than before, by a tenth or more, what they don't see is
- * dimmed by as much, region by region (a quarter of the coarsest level's
- * width); it is never brightened.  Light that has gone altogether counts where
- * it was more than half of what is seen: next to a patch of sun, views of the
- * same voxel may see its lit part or its dark part.
+ * at once.  All views that are injected between two updates are taken to show
+ * one moment.  Where they agree that there is less light than before, by a
+ * tenth or more, what they don't see is dimmed by as much, region by region (a
+ * quarter of the coarsest level's width); it is never brightened.  Light that
+ * has gone altogether counts where it was more than half of what is seen: next
+ * to a patch of sun, views of the same voxel may see its lit part or its dark
+ * part.
  */
 typedef struct hbil_cache hbil_cache;
 

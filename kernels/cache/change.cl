@@ -22,8 +22,9 @@
 #include "lib/cache_voxels.clh"
 
 /* Of a region: 0 and 1: the light of what is seen, now and before; 2: how much
- * it has changed by without signs; 3: the number of voxels; 4: the light before
- * of what is seen to have next to none, which is in none of the others. */
+ * it has changed by without signs; 3: the number of voxels; 4 and 5: the light
+ * before, and the number, of those that have next to none now, which are in none
+ * of the others. */
 typedef float8 change_sums;
 
 /* The region of a voxel. */
@@ -39,8 +40,8 @@ INLINE int region_of(const hbil_cache_args c, uint number) {
   return region;
 }
 
-/* The light that a voxel sent before the newest views, theirs, and what share of
- * its mean is theirs. */
+/* How bright a voxel was before the views since the last update, how bright they
+ * show it, and their share of its mean. */
 typedef struct seen_change {
   bool is_known;
   float before, now, share;
@@ -67,12 +68,12 @@ INLINE change_sums sums_of_voxel(global const float *voxel) {
   if (!s.is_known)
     return 0.0f;
   const float most = HBIL_CACHE_MOST_CHANGE;
-  const bool is_gone = s.now * most < s.before;
-  /* light that comes out of next to nothing counts as well */
-  const float now = is_gone ? 0.0f : s.now;
-  const float before = is_gone ? 0.0f : max(s.before, now / most);
-  return (float8)(now, before, fabs(now - before), 1.0f,
-                  is_gone ? s.before : 0.0f, 0.0f, 0.0f, 0.0f);
+  if (s.now * most < s.before)
+    return (float8)(0.0f, 0.0f, 0.0f, 0.0f, s.before, 1.0f, 0.0f, 0.0f);
+  /* as much as can be gone may have come, so that both cancel */
+  const float before = max(s.before, s.now / most);
+  return (float8)(s.now, before, fabs(s.now - before), 1.0f, 0.0f, 0.0f, 0.0f,
+                  0.0f);
 }
 
 kernel void change_part(const hbil_cache_args cache, global const uint *states,
@@ -90,7 +91,7 @@ kernel void change_part(const hbil_cache_args cache, global const uint *states,
       const uint number = first_surface(i, left);
       const change_sums s =
           sums_of_voxel(voxels + HBIL_VOXEL_FLOATS * (size_t)number);
-      if (s.s3 > 0.0f) {
+      if (s.s3 + s.s5 > 0.0f) {
         const int region = region_of(cache, number);
         vstore8(vload8(region, sums) + s, region, sums);
       }
@@ -118,10 +119,12 @@ kernel void change_ratio(global const float *changes, global float *ratios) {
     const float weight = 1.0f / (float)(1 + dx * dx + dy * dy + dz * dz);
     sum += weight * vload8(r, changes);
   }
-  const float gone = sum.s4 > sum.s1 ? sum.s4 : 0.0f;
+  const bool is_gone = sum.s4 > sum.s1;
+  const float gone = is_gone ? sum.s4 : 0.0f;
+  const float count = sum.s3 + (is_gone ? sum.s5 : 0.0f);
   const float now = sum.s0, before = sum.s1 + gone, apart = sum.s2 + gone;
   const float ratio = now / max(before, FLT_MIN);
-  const bool less = sum.s3 >= HBIL_CHANGE_VOXELS &&
+  const bool less = count >= HBIL_CHANGE_VOXELS &&
                     ratio < 1.0f - HBIL_CHANGE_LEAST &&
                     before - now > HBIL_CHANGE_AGREEMENT * apart;
   ratios[own] = less ? max(ratio, 1.0f / HBIL_CACHE_MOST_CHANGE) : 1.0f;

@@ -48,7 +48,7 @@ INLINE void fade(const hbil_cache_forget_args args, global float *voxel) {
   vstore3(vload3(0, voxel + HBIL_VOXEL_INDIRECT) * left, 0,
           voxel + HBIL_VOXEL_INDIRECT);
   if (left < 1.0f && voxel[HBIL_VOXEL_BEFORE] > 0.0f)
-    voxel[HBIL_VOXEL_BEFORE] = -1.0f; /* views tell nothing of what was */
+    voxel[HBIL_VOXEL_BEFORE] = -1.0f; /* which is no longer its light */
 }
 
 /* Whether the box and the cell of a level have more than a face in common,

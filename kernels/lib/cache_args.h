@@ -43,8 +43,9 @@ enum {
   HBIL_VOXEL_LIGHT_WEIGHT = 11, /* the same as a weight; -: finished radiance */
   HBIL_VOXEL_INDIRECT = 12,     /* irradiance over pi; 3 */
   /* 0: no view has seen it since the last update; -1: some have, but there is
-   * no light to compare theirs with; else the light that it sent before them,
-   * the sum of its channels, whose lowest bits are their number */
+   * no light to compare theirs with; else the sum of the channels of the light
+   * that it sent before them, and in the lowest bits of this float how many
+   * they are */
   HBIL_VOXEL_BEFORE = 15,
   HBIL_VOXEL_FLOATS = 16
 };
@@ -57,10 +58,12 @@ enum {
  * changes most (cache/inject.cl).  Means of noise differ by less. */
 #define HBIL_CACHE_LIGHT_CHANGED 0.5f
 
-/* Those bits of HBIL_VOXEL_BEFORE.  The light, 2^-19 of which they are, is
- * compared with others to a tenth. */
-#define HBIL_VOXEL_MOMENT_VIEWS 15u
-/* Less light than this is none: its number must be no denormal one. */
+/* The bits of HBIL_VOXEL_BEFORE that count views: more than a voxel's weight
+ * may be.  They change the light by 2^-18 at most; only a tenth counts as a
+ * change. */
+#define HBIL_VOXEL_MOMENT_VIEWS 31u
+/* Less light counts as none, so that the float is never denormal: devices may
+ * make these 0, and with them the count. */
 #define HBIL_VOXEL_LEAST_LIGHT 1e-30f
 /* Factors of changes are at most so far from 1 (cache/change.cl). */
 #define HBIL_CACHE_MOST_CHANGE 50.0f

@@ -5,8 +5,8 @@
 #include "dump/findings.h"
 #include "dump/surface_points.h"
 
-/* is_lit: whether the frame's result is to have surfaces without albedo, too.
- */
+/* is_lit: the frame gets a result, so surfaces that will be black in it are
+ * told. */
 void check_colours(const surface_points *s, int is_lit, findings *out);
 
 #endif

@@ -89,7 +89,7 @@ static int check_buffer(const surface_points *s, findings *out) {
     return 0;
   findings_add(out,
                "depths above 1, up to %g, can't be those of a depth buffer: "
-               "--depth planar, or ray?",
+               "--depth planar, or ray? --sky-depth, if they are the sky?",
                (double)most);
   return 1;
 }
@@ -100,10 +100,8 @@ static void find_why_empty(const surface_points *s, findings *out) {
   all.inputs.sky_depth = INFINITY;
   const extent e = measure(&all);
   if (e.surface)
-    findings_add(out,
-                 "no pixel has a depth below %g, where the sky begins; the "
-                 "nearest one is at %g: --sky-depth or --unit-scale?",
-                 (double)s->inputs.sky_depth, e.low[2]);
+    findings_add(out, "all depths are those of the sky: --sky-depth or "
+                      "--unit-scale?");
   else
     findings_add(out,
                  "no pixel has a depth: --depth, --sky-depth or --map depth?");
@@ -116,9 +114,10 @@ static void check_radii(const surface_points *s, const extent *e,
     check_radius(s, e, "--ao-radius", model->ao_radius, out);
 }
 
-void frame_check_run(const gbuffer *g, const hbil_config *config,
-                     const hbil_camera *camera, frame_check *out) {
-  surface_points s = surface_points_of(g, camera);
+static void check(const surface_points *given, const hbil_config *config,
+                  frame_check *out) {
+  surface_points s = *given;
+  const gbuffer *g = s.g;
   memset(out, 0, sizeof *out);
   out->agreement = out->positions = NAN;
   const int other_camera = check_positions_camera(&s, &out->found);
@@ -129,7 +128,8 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
     e = measure(&s);
   }
   out->surface = (double)e.surface / (double)surface_looks(&s);
-  if (e.surface == 0 && (other_camera || no_buffer))
+  s.row_step = given->row_step;
+  if (e.surface == 0 && (other_camera || no_buffer || !config))
     return;
   if (e.surface == 0) {
     find_why_empty(&s, &out->found);
@@ -153,4 +153,17 @@ void frame_check_run(const gbuffer *g, const hbil_config *config,
   if (config)
     check_radii(&s, &e, &config->model, &out->found);
   check_colours(&s, config != NULL, &out->found);
+}
+
+void frame_check_run(const gbuffer *g, const hbil_config *config,
+                     const hbil_camera *camera, frame_check *out) {
+  const surface_points s = surface_points_of(g, camera);
+  check(&s, config, out);
+}
+
+void frame_check_whole(const gbuffer *g, const hbil_config *config,
+                       const hbil_camera *camera, frame_check *out) {
+  surface_points s = surface_points_of(g, camera);
+  s.row_step = 1;
+  check(&s, config, out);
 }

@@ -16,9 +16,14 @@ typedef struct frame_check {
   findings found;   /* empty for frames that fit together */
 } frame_check;
 
-/* config: its radius is checked, too; NULL: nothing is lit by the frame, which
- * is a view. */
+/* config: NULL for a view, which gets no result: its radius, surfaces that
+ * would be black in it, and a lack of surfaces aren't told.  Of larger pictures
+ * only some rows are looked at (surface_next()). */
 void frame_check_run(const gbuffer *g, const hbil_config *config,
                      const hbil_camera *camera, frame_check *out);
+
+/* The same from all pixels, for whoever prints the numbers. */
+void frame_check_whole(const gbuffer *g, const hbil_config *config,
+                       const hbil_camera *camera, frame_check *out);
 
 #endif

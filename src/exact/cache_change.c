@@ -5,10 +5,11 @@
 #include "exact/cache.h"
 
 /* Of a region: the light of what is seen, now and before, how much it has
- * changed by without signs, and the number of voxels; gone: the light before of
- * those that now have next to none, which is in none of the others. */
+ * changed by without signs, and the number of voxels; gone, gone_voxels: the
+ * light before, and the number, of those that have next to none now, which are
+ * in none of the others. */
 typedef struct change_sums {
-  double now, before, apart, voxels, gone;
+  double now, before, apart, voxels, gone, gone_voxels;
 } change_sums;
 
 /* The region of a place in cache space, or the nearest one. */
@@ -36,8 +37,8 @@ double exact_cache_fallen(const exact_cache *cache,
   return (double)ratios[region_at(cache, (double[3]){at.x, at.y, at.z})];
 }
 
-/* The light before the newest views, theirs, and what share of the voxel's mean
- * is theirs. */
+/* How bright a voxel was before the views since the last update, how bright
+ * they show it, and their share of its mean. */
 typedef struct seen_change {
   double before, now, share;
 } seen_change;
@@ -59,20 +60,21 @@ static void add_voxel(const exact_voxel *voxel, change_sums *sums) {
   seen_change s;
   if (!change_of(voxel->value, &s))
     return;
-  ++sums->voxels;
   if (s.now * most < s.before) {
     sums->gone += s.before;
+    ++sums->gone_voxels;
     return;
   }
   const double before = fmax(s.before, s.now / most);
   sums->now += s.now;
   sums->before += before;
   sums->apart += fabs(s.now - before);
+  ++sums->voxels;
 }
 
 static double ratio_of(const change_sums *sums, int own) {
   const int n = HBIL_CACHE_REGIONS_ACROSS;
-  change_sums all = {0.0, 0.0, 0.0, 0.0, 0.0};
+  change_sums all = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   for (int r = 0; r < HBIL_CACHE_REGIONS; ++r) {
     const int dx = own % n - r % n, dy = own / n % n - r / n % n;
     const int dz = own / (n * n) - r / (n * n);
@@ -82,10 +84,12 @@ static double ratio_of(const change_sums *sums, int own) {
     all.apart += weight * sums[r].apart;
     all.voxels += weight * sums[r].voxels;
     all.gone += weight * sums[r].gone;
+    all.gone_voxels += weight * sums[r].gone_voxels;
   }
   if (all.gone > all.before) {
     all.before += all.gone;
     all.apart += all.gone;
+    all.voxels += all.gone_voxels;
   }
   const bool less =
       all.voxels >= (double)HBIL_CHANGE_VOXELS &&
@@ -96,7 +100,7 @@ static double ratio_of(const change_sums *sums, int own) {
 }
 
 void exact_cache_follow_change(exact_cache *cache) {
-  change_sums sums[HBIL_CACHE_REGIONS] = {{0.0, 0.0, 0.0, 0.0, 0.0}};
+  change_sums sums[HBIL_CACHE_REGIONS] = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0}};
   for (size_t i = 0; i < exact_cache_count(cache); ++i) {
     const exact_place place = exact_cache_place(cache, i);
     const exact_voxel *voxel = exact_cache_at(cache, &place);

@@ -81,7 +81,7 @@ static void forget_nothing(hbil_cache *cache) {
     cache->left.left[i] = 1.0f;
 }
 
-/* Regions whose middles are in the box keep so much of the light that the last
+/* Regions whose middles are in the box lose so much of the light that the last
  * frame hands on. */
 static void forget_regions(hbil_cache *cache,
                            const hbil_cache_forget_args *box) {

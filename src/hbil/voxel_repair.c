@@ -49,6 +49,15 @@ static void repair_light(float *light, float most) {
       light[c] = 0.0f;
 }
 
+/* HBIL_VOXEL_BEFORE */
+static bool is_light_before(float value) {
+  cl_uint bits;
+  memcpy(&bits, &value, sizeof bits);
+  return value == 0.0f || value == -1.0f ||
+         (is_inside(value, 0.99f * HBIL_VOXEL_LEAST_LIGHT, 3.0f * MOST_SENT) &&
+          bits & HBIL_VOXEL_MOMENT_VIEWS);
+}
+
 static void repair_voxel(float *voxel) {
   static const float zero[HBIL_VOXEL_FLOATS] = {0};
   float *reflectance = voxel + HBIL_VOXEL_REFLECTANCE;
@@ -66,9 +75,7 @@ static void repair_voxel(float *voxel) {
     voxel[HBIL_VOXEL_LIGHT_WEIGHT] = 0.0f;
   repair_light(voxel + HBIL_VOXEL_SENT, MOST_SENT);
   repair_light(voxel + HBIL_VOXEL_INDIRECT, MOST_INDIRECT);
-  if (voxel[HBIL_VOXEL_BEFORE] != -1.0f &&
-      !is_inside(voxel[HBIL_VOXEL_BEFORE], 0.99f * HBIL_VOXEL_LEAST_LIGHT,
-                 3.0f * MOST_SENT))
+  if (!is_light_before(voxel[HBIL_VOXEL_BEFORE]))
     voxel[HBIL_VOXEL_BEFORE] = 0.0f;
 }
 

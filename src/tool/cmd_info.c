@@ -289,7 +289,7 @@ static int check_frame(const char *path, const channel_map *map,
   if (gbuffer_read(path, map, ~0u, &g, error) != 0)
     return -1;
   print_camera(seen, map);
-  frame_check_run(&g, &config, &map->camera, &found);
+  frame_check_whole(&g, &config, &map->camera, &found);
   print_check(&g, &found);
   gbuffer_free(&g);
   return print_light(path, map, error);

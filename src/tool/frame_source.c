@@ -185,10 +185,9 @@ static void drop_positions(gbuffer *g) {
   g->map.count[ROLE_POSITION] = 0;
 }
 
-int frame_source_read_learnt(const job *j, const job_frame *f, unsigned roles,
-                             gbuffer *out, image_error *error) {
-  const int is_checked = !j->settings->quiet && j->view_count &&
-                         f >= j->views && f < j->views + j->view_count;
+int frame_source_read_learnt(const job *j, const job_frame *f, int is_view,
+                             unsigned roles, gbuffer *out, image_error *error) {
+  const int is_checked = !j->settings->quiet && is_view;
   const unsigned more = is_checked ? 1u << ROLE_POSITION : 0u;
   frame_check check;
   if (gbuffer_read(f->path, &f->map, roles | more, out, error) != 0)

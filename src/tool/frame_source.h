@@ -62,8 +62,8 @@ int frame_source_read(frame_source *s, size_t item, image_memory *memory,
  * together. Returns 0 and a G-buffer that gbuffer_free() frees, or -1 with
  * `error` filled.
  */
-int frame_source_read_learnt(const job *j, const job_frame *f, unsigned roles,
-                             gbuffer *out, image_error *error);
+int frame_source_read_learnt(const job *j, const job_frame *f, int is_view,
+                             unsigned roles, gbuffer *out, image_error *error);
 
 /* Reads the frame's channels that no layer of the result replaces, in their own
  * types.  Returns 0 and an image that image_free() frees, or -1. */

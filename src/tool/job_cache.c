@@ -266,11 +266,11 @@ static void finish_radiance(const gbuffer *g, float direct_scale) {
   }
 }
 
-static int read_picture(const job_cache *jc, const job_frame *f,
-                        hbil_view_light light, gbuffer *g, image_error *error) {
-  if (frame_source_read_learnt(jc->job, f, roles, g, error) != 0)
+static int read_picture(const job_cache *jc, const job_frame *f, int is_view,
+                        gbuffer *g, image_error *error) {
+  if (frame_source_read_learnt(jc->job, f, is_view, roles, g, error) != 0)
     return -1;
-  if (light == HBIL_VIEW_FINISHED)
+  if (is_view && jc->job->settings->view_light == HBIL_VIEW_FINISHED)
     finish_radiance(g, jc->config.inputs.direct_scale);
   return 0;
 }
@@ -299,7 +299,7 @@ static int learn_pictures(job_cache *jc, image_error *error) {
     const job_frame *f = is_view ? &j->views[i] : &j->frames[count - 1 - i];
     const hbil_view_light light =
         is_view ? j->settings->view_light : HBIL_VIEW_DIRECT;
-    failed = read_picture(jc, f, light, &next, error);
+    failed = read_picture(jc, f, is_view, &next, error);
     if (failed)
       break;
     failed = finish_upload(jc, error);

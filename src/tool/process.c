@@ -260,7 +260,7 @@ static int print_timings(const process *p, image_error *error) {
   };
   if (!s->quiet) {
     timings_warn_sanitized(report.rows, report.count);
-    unknown_report(&p->whole, report.rows, report.count);
+    unknown_report(&p->whole, p->job.has_cache, report.rows, report.count);
   }
   if (!s->quiet && !s->timings && report.computed > 1) {
     fputs("hbil: ", stderr);

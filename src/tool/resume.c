@@ -215,7 +215,7 @@ static int look_for_results(resume *r, lighting *l, image_error *error) {
   tell(r, &r->others,
        "was made with other options or frames, on another device or by another "
        "version",
-       " (--resume leaves results alone where all of these are the same)");
+       " (--resume leaves a result alone if all of these are the same)");
   if (find_history(r, missing, l, error) != 0)
     return -1;
   tell_what_is_left(r, l);
@@ -252,10 +252,9 @@ void resume_close(resume *r) {
 
 int resume_is_needed(const resume *r, size_t item) {
   const int i = (int)item;
-  return !r->finished[i] ||
-         (i >= r->first && i < r->end &&
-          (r->history_size || (r->job->settings->preview &&
-                               i == (int)r->job->pre_roll)));
+  return !r->finished[i] || (i >= r->first && i < r->end &&
+                             (r->history_size || (r->job->settings->preview &&
+                                                  i == (int)r->job->pre_roll)));
 }
 
 /* Files that are made of what the cache knows in the end. */

@@ -46,7 +46,8 @@ static int could_learn(const job *whole) {
          !s->decide_by;
 }
 
-void unknown_report(const job *whole, const timing_row *rows, size_t count) {
+void unknown_report(const job *whole, int has_cache, const timing_row *rows,
+                    size_t count) {
   size_t surfaces;
   const double mean = unknown_mean(rows, count, &surfaces);
   if (!surfaces)
@@ -58,9 +59,10 @@ void unknown_report(const job *whole, const timing_row *rows, size_t count) {
   if (mean > MOST_UNKNOWN)
     fprintf(stderr,
             "hbil: warning: most of the indirect light is a guess, because the "
-            "frame doesn't show what surrounds it; --view with other pictures "
-            "of the place, %sor --environment with the light that is there, "
-            "helps\n",
-            could_learn(whole) ? "--learn, if later frames show more of it, "
-                               : "");
+            "frame doesn't show what surrounds it; what helps: --view with "
+            "other pictures of the place, %sor --environment with the light "
+            "that is there\n",
+            has_cache && could_learn(whole)
+                ? "--learn if later frames show more of it, "
+                : "");
 }

@@ -16,7 +16,9 @@ void unknown_measure(const job *j, const gbuffer *g, const float *share,
 double unknown_mean(const timing_row *rows, size_t count, size_t *surfaces);
 
 /* Prints the mean of a whole job as a line on standard error, and a warning if
- * it is large; nothing without surfaces. */
-void unknown_report(const job *whole, const timing_row *rows, size_t count);
+ * it is large, with what would help; nothing without surfaces.  has_cache: the
+ * last place had one. */
+void unknown_report(const job *whole, int has_cache, const timing_row *rows,
+                    size_t count);
 
 #endif

@@ -95,13 +95,21 @@ works "which is that of ao in a room" compare --max-rmse 1e-6 --mask "$one" \
 run "$HBIL" process --overwrite --far environment $fast --warm-up 0 --environment frame \
   --radius 0.1 -o "$work/guess" "$one" "$two"
 test $status -eq 0 && test "$(grep -c "$warned" "$work/err")" -eq 1 &&
-  grep -q -e ', --learn, if later frames' "$work/err"
-ok $? "a warning says once that most of the light is a guess, and that --learn helps"
+  ! grep -q -e '--learn' "$work/err"
+ok $? "a warning says once that most of the light is a guess; --learn needs a cache"
+works "a scene that shows little" "$HBIL" demo --scene corner --frames 2 --size 80x45 \
+  -o "$work/corner"
 # shellcheck disable=SC2086
-run "$HBIL" process --overwrite --far environment $fast --warm-up 0 --environment frame \
-  --radius 0.1 -o "$work/guess" "$one"
+run "$HBIL" process --overwrite --far rays --cache-size 16 $fast --warm-up 0 \
+  -o "$work/guess" "$work"/corner/gbuffer/frame_000[12].exr
+test $status -eq 0 && grep -q "$warned" "$work/err" &&
+  grep -q -e ', --learn if later frames' "$work/err"
+ok $? "where there is one, it helps"
+# shellcheck disable=SC2086
+run "$HBIL" process --overwrite --far rays --cache-size 16 $fast --warm-up 0 \
+  -o "$work/guess" "$work/corner/gbuffer/frame_0001.exr"
 test $status -eq 0 && grep -q "$warned" "$work/err" && ! grep -q -e '--learn' "$work/err"
-ok $? "which has nothing to learn from in a single frame"
+ok $? "but has nothing to learn from in a single frame"
 # shellcheck disable=SC2086
 run process $fast --warm-up 0 --environment frame --radius 0.1 \
   -o "$work/guess" "$one"

@@ -379,7 +379,8 @@ static void ask_for_all_outputs(room_scene *t) {
 /* Every float of every voxel in turn is nonsense, and one time all voxels are
  * said to be surfaces. */
 static void forged_bytes_leave_frames_finite(void **state) {
-  static const float nonsense[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
+  static const float nonsense[] = {NAN,   INFINITY, -INFINITY,
+                                   3e38f, -3e38f,   1.0f};
   const size_t voxels = (size_t)32 * 32 * 32 * 2;
   room_scene t;
   (void)state;

@@ -67,6 +67,11 @@ static void compare_voxel(const exact_voxel *got, const exact_voxel *want,
     fail_msg("state %d, not %d", got->state, want->state);
   if (want->state != HBIL_VOXEL_SURFACE)
     return;
+  double light[2];
+  if (want->value[HBIL_VOXEL_BEFORE] > 0.0)
+    assert_int_equal(
+        exact_voxel_before(got->value[HBIL_VOXEL_BEFORE], light),
+        exact_voxel_before(want->value[HBIL_VOXEL_BEFORE], light + 1));
   for (int k = 0; k < HBIL_VOXEL_FLOATS; ++k) {
     const double off = fabs(got->value[k] - want->value[k]);
     if (k <= HBIL_VOXEL_OFFSET)
