@@ -11,12 +11,11 @@
  * change_part: sums over parts of the coarsest level, for each region.
  * change_region: the sums of each region.
  * change_ratio: what each region makes of all, the near ones first.
- * left_ratio: the same for light that the caller forgets, which frames hand on.
  * follow_change: dims what has not been seen, and the means that the newest
  * view of what has been seen joined; forgets who was seen.
  *
- * Launch: change_part: x = HBIL_CACHE_PARTS; change_region, change_ratio,
- * left_ratio: x = HBIL_CACHE_REGIONS; follow_change: x = words of a row of voxels, y = rows, z
+ * Launch: change_part: x = HBIL_CACHE_PARTS; change_region, change_ratio: x =
+ * HBIL_CACHE_REGIONS; follow_change: x = words of a row of voxels, y = rows, z
  * = slices, of all levels.
  */
 #include "lib/cache_voxels.clh"
@@ -128,12 +127,6 @@ kernel void change_ratio(global const float *changes, global float *ratios) {
                     ratio < 1.0f - HBIL_CHANGE_LEAST &&
                     before - now > HBIL_CHANGE_AGREEMENT * apart;
   ratios[own] = less ? max(ratio, 1.0f / HBIL_CACHE_MOST_CHANGE) : 1.0f;
-}
-
-kernel void left_ratio(const hbil_left_args args, global float *ratios) {
-  const int region = (int)get_global_id(0);
-  if (region < HBIL_CACHE_REGIONS && get_global_id(1) == 0)
-    ratios[region] = min(ratios[region], args.left[region]);
 }
 
 kernel void follow_change(const hbil_cache_args cache,

@@ -346,12 +346,6 @@ typedef struct hbil_probes_args {
 } hbil_probes_args;
 HBIL_ASSERT_LAYOUT(hbil_probes_args, lobe, 77, 78)
 
-/* cache/change.cl: what is left of the light of each region */
-typedef struct hbil_left_args {
-  hbil_float left[HBIL_CACHE_REGIONS];
-} hbil_left_args;
-HBIL_ASSERT_LAYOUT(hbil_left_args, left, 0, HBIL_CACHE_REGIONS)
-
 /* cache/follow_probes.cl */
 typedef struct hbil_follow_args {
   hbil_probe_grid_args grid;

@@ -59,7 +59,6 @@
   X(CACHE_KERNEL_CHANGE_REGION, "change_region", CACHE_PROGRAM_CHANGE, true)   \
   X(CACHE_KERNEL_CHANGE_RATIO, "change_ratio", CACHE_PROGRAM_CHANGE, true)     \
   X(CACHE_KERNEL_FOLLOW_CHANGE, "follow_change", CACHE_PROGRAM_CHANGE, true)   \
-  X(CACHE_KERNEL_LEFT_RATIO, "left_ratio", CACHE_PROGRAM_CHANGE, true)         \
   X(CACHE_KERNEL_FORGET, "forget", CACHE_PROGRAM_MOVE, true)                   \
   X(CACHE_KERNEL_FORGET_BOX, "forget_box", CACHE_PROGRAM_MOVE, true)           \
   X(CACHE_KERNEL_AREA_LIGHT, "area_light", CACHE_PROGRAM_LOCAL_LIGHT, true)    \
@@ -148,16 +147,16 @@ struct hbil_cache {
   cl_mem buffers[CACHE_BUFFER_COUNT];
   size_t bytes[CACHE_BUFFER_COUNT]; /* of these */
   timeline line;
-  cl_long middle[3];   /* in voxels of the coarsest level */
-  cl_uint updates;     /* with bounces so far, which choose the voxels */
-  bool settled;        /* voxels are as they were after the last update */
-  bool has_hits;       /* of all surfaces; the cache hasn't moved since */
-  cl_uint changes;     /* times that factors of regions were found */
-  bool falls;          /* they may be below 1 */
-  hbil_left_args left; /* of what was forgotten since */
-  cl_uint turns_left;  /* updates until all hits are of what voxels are now */
-  int hits;            /* which of the two buffers has them */
-  cl_uint rounds;      /* of bounces so far */
+  cl_long middle[3]; /* in voxels of the coarsest level */
+  cl_uint updates;   /* with bounces so far, which choose the voxels */
+  bool settled;      /* voxels are as they were after the last update */
+  bool has_hits;     /* of all surfaces; the cache hasn't moved since */
+  cl_uint changes;   /* times that factors of regions were found */
+  bool falls;        /* they may be below 1 */
+  float left[HBIL_CACHE_REGIONS]; /* of light, by what was forgotten since */
+  cl_uint turns_left; /* updates until all hits are of what voxels are now */
+  int hits;           /* which of the two buffers has them */
+  cl_uint rounds;     /* of bounces so far */
   /* what the last bounces were computed with */
   hbil_cache_bounce_args bounced;
   /* the view that was injected last (exposure 0: none), and how many static

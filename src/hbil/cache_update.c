@@ -78,7 +78,7 @@ static hbil_status level_ratios(commands *chain, hbil_cache *cache) {
 
 static void forget_nothing(hbil_cache *cache) {
   for (int i = 0; i < HBIL_CACHE_REGIONS; ++i)
-    cache->left.left[i] = 1.0f;
+    cache->left[i] = 1.0f;
 }
 
 /* Regions whose middles are in the box lose so much of the light that the last
@@ -96,8 +96,27 @@ static void forget_regions(hbil_cache *cache,
           ((float)at[axis] + 0.5f - 0.5f * (float)across) * width;
       inside &= middle > box->low[axis] && middle < box->high[axis];
     }
-    cache->left.left[i] *= inside ? 1.0f - box->light : 1.0f;
+    cache->left[i] *= inside ? 1.0f - box->light : 1.0f;
   }
+}
+
+/* What is told counts, not what views show.  Regions side by side with the same
+ * factor are one fill. */
+static hbil_status lower_ratios(commands *chain, const hbil_cache *cache) {
+  hbil_status status = HBIL_SUCCESS;
+  for (int i = 0, end; i < HBIL_CACHE_REGIONS && status == HBIL_SUCCESS;
+       i = end) {
+    cl_uint bits;
+    for (end = i + 1;
+         end < HBIL_CACHE_REGIONS && cache->left[end] == cache->left[i];)
+      ++end;
+    memcpy(&bits, &cache->left[i], sizeof bits);
+    if (cache->left[i] < 1.0f)
+      status =
+          fill_memory(chain, cache->buffers[CACHE_RATIOS], bits,
+                      (size_t)i * sizeof bits, (size_t)(end - i) * sizeof bits);
+  }
+  return status;
 }
 
 /* What no view sees any more follows what views see. */
@@ -109,7 +128,6 @@ static hbil_status follow_change(commands *chain, hbil_cache *cache) {
                            ARG(cache->buffers[CACHE_VOXELS]), ARG(changes)};
   const argument region[] = {ARG(changes)};
   const argument ratio[] = {ARG(changes), ARG(ratios)};
-  const argument left[] = {ARG(cache->left), ARG(ratios)};
   const argument follow[] = {ARG(args), ARG(cache->buffers[CACHE_STATES]),
                              ARG(ratios), ARG(cache->buffers[CACHE_VOXELS])};
   ++cache->changes;
@@ -125,8 +143,7 @@ static hbil_status follow_change(commands *chain, hbil_cache *cache) {
   if (status == HBIL_SUCCESS)
     status = LAUNCH_WORDS(chain, cache, CACHE_KERNEL_FOLLOW_CHANGE, follow);
   if (status == HBIL_SUCCESS)
-    status =
-        LAUNCH(chain, CACHE_KERNEL_LEFT_RATIO, left, HBIL_CACHE_REGIONS, 1, 1);
+    status = lower_ratios(chain, cache);
   forget_nothing(cache);
   return status;
 }
