@@ -47,8 +47,8 @@ extern "C" {
  *   follows the surfaces by the cameras and begins anew where it has changed by
  *   a quarter.  Nothing is averaged with HBIL_REPROJECTION_NONE.
  *   Where the last update has found that a region has less light, or light was
- *   forgotten, what the last frame hands on falls by the same factor there.  So
- * does the light of slices that frames share (sampling.slice_frames).
+ *   forgotten, what the last frame hands on falls by the same factor there, and
+ *   so does the light of slices that frames share (sampling.slice_frames).
  *
  * ORDER
  *   Commands of a cache run in the order of the calls, like those of a plan,

@@ -126,31 +126,41 @@ static void what_is_not_seen_follows_what_is(void **state) {
   }
 }
 
+/* A cache that has seen all of a room. */
+static hbil_cache *cache_of(const room *r, hbil_view views[WALLS]) {
+  hbil_cache *cache = room_cache(&shared_device);
+  room_views(&shared_device, r, room_middle, 64, HBIL_VIEW_DIRECT, views);
+  room_inject(&shared_device, cache, views, WALLS, 4);
+  return cache;
+}
+
+static void forget_all_light(setup *s, hbil_cache *cache) {
+  const cl_command_queue queue = shared_device.queue;
+  hbil_cache_change change;
+  hbil_cache_change_init(&change);
+  change.light = 1.0f;
+  assert_success(
+      s, hbil_enqueue_cache_forget(cache, queue, &change, 0, NULL, NULL));
+  assert_success(s,
+                 hbil_enqueue_cache_update(cache, queue, NULL, 0, NULL, NULL));
+}
+
 /* The caller says that the lamps are off, while only a dark wall is in view:
  * the frame's light is that of a room without lamps. */
 static void what_is_told_needs_no_view(void **state) {
   const room before = room_lit();
   const hbil_camera camera =
       room_camera(eye, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
-  hbil_cache *cache = room_cache(&shared_device);
   hbil_view views[WALLS];
-  hbil_cache_change change;
+  hbil_cache *cache = cache_of(&before, views);
   double light[2];
   setup s;
   (void)state;
-  room_views(&shared_device, &before, room_middle, 64, HBIL_VIEW_DIRECT, views);
-  room_inject(&shared_device, cache, views, WALLS, 4);
-  hbil_cache_change_init(&change);
-  change.light = 1.0f;
   for (int i = 0; i < 2; ++i) {
     room_setup(&s, &before, &camera, ROOM_WIDTH, ROOM_HEIGHT);
     setup_start(&s);
-    if (i) {
-      assert_success(&s, hbil_enqueue_cache_forget(cache, shared_device.queue,
-                                                   &change, 0, NULL, NULL));
-      assert_success(&s, hbil_enqueue_cache_update(cache, shared_device.queue,
-                                                   NULL, 0, NULL, NULL));
-    }
+    if (i)
+      forget_all_light(&s, cache);
     s.frame.cache = cache;
     exact_planes out = room_outputs(&s);
     light[i] = mean_far_light(&out);
@@ -163,31 +173,17 @@ static void what_is_told_needs_no_view(void **state) {
   hbil_cache_destroy(cache);
 }
 
-static double most_indirect(const exact_planes *out) {
-  double most = 0.0;
-  for (int y = 0; y < out->height; ++y)
-    for (int x = 0; x < out->width; ++x)
-      for (int c = 0; c < 3; ++c)
-        most = fmax(most, *exact_at(out, EXACT_INDIRECT + c, x, y));
-  return most;
-}
-
 /* The light that the last frame hands on, and that of the slices that both
  * share, is forgotten with that of the cache, so no corner glows. */
 static void what_is_told_reaches_what_frames_hand_on(void **state) {
   const room lit = room_lit();
   const hbil_camera camera =
       room_camera(eye, BEHIND, ROOM_WIDTH, ROOM_HEIGHT, 120.0);
-  hbil_cache *cache = room_cache(&shared_device);
   hbil_view views[WALLS];
-  hbil_cache_change change;
+  hbil_cache *cache = cache_of(&lit, views);
   double light[3];
   setup s;
   (void)state;
-  room_views(&shared_device, &lit, room_middle, 64, HBIL_VIEW_DIRECT, views);
-  room_inject(&shared_device, cache, views, WALLS, 4);
-  hbil_cache_change_init(&change);
-  change.light = 1.0f;
   room_setup(&s, &lit, &camera, ROOM_WIDTH, ROOM_HEIGHT);
   s.config.outputs.indirect = three_floats;
   s.config.history.reprojection = HBIL_REPROJECTION_CAMERA;
@@ -200,14 +196,11 @@ static void what_is_told_reaches_what_frames_hand_on(void **state) {
         for (size_t k = 0; k < setup_pixels(&s); ++k)
           s.input[EXACT_DIRECT + c][k] = s.input[EXACT_EMISSION + c][k] = 0.0f;
       setup_upload(&s);
-      assert_success(&s, hbil_enqueue_cache_forget(cache, shared_device.queue,
-                                                   &change, 0, NULL, NULL));
-      assert_success(&s, hbil_enqueue_cache_update(cache, shared_device.queue,
-                                                   NULL, 0, NULL, NULL));
+      forget_all_light(&s, cache);
     }
     s.frame.cache = cache;
     exact_planes out = room_outputs(&s);
-    light[i] = most_indirect(&out);
+    light[i] = largest_value(&out, EXACT_INDIRECT, 3);
     exact_planes_free(&out);
   }
   assert_true(light[1] > 0.05);
