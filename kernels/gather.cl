@@ -11,7 +11,7 @@
  * In: split planes; the table of steps; bounds; which pixels' light the outputs
  * show (`used_groups`); whether a static frame's light has changed (`flags`).
  * Out: light planes, in the layout of the split planes; for
- * hbil_plan_statistics(), which work was left out; the horizon cache.
+ * hbil_plan_statistics(), which work was left out.
  * Where frames share slices (gather/past_slices.clh): In: what the last frame
  * found, motion vectors, what the cache says of light that has fallen.  Out:
  * the same for the next frame.
@@ -28,8 +28,7 @@
  * for the other side, in side_steps entries each. */
 INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
                          global const hbil_step *steps, int side_steps,
-                         const span_march *how, totals *t, intv *untouched,
-                         cache_cursor *cache) {
+                         const span_march *how, totals *t, intv *untouched) {
   const float ux = steps->ux, uy = steps->uy;
   slice s[SPAN_VECTORS];
   for (int v = 0; v < SPAN_VECTORS; ++v)
@@ -42,14 +41,12 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
       h[v] = half_of(&c[v], &s[v], side);
       m[v] = start_march(&c[v], &s[v], &h[v]);
       top[v] = h[v].least;
-      if (CACHE_HORIZONS)
-        cache_list(&cache[v]);
     }
     const uint quadrant =
         hbil_quadrant((ux > 0.0f) != side, (uy > 0.0f) != side);
-    march_half_slice(args, c, s, h, m, top, quadrant, steps + 1, how, cache);
+    march_half_slice(args, c, s, h, m, top, quadrant, steps + 1, how);
     for (int v = 0; v < SPAN_VECTORS; ++v) {
-      end_march(&c[v], &s[v], &h[v], &m[v], top[v], how->dither, &cache[v]);
+      end_march(&c[v], &s[v], &h[v], &m[v], top[v], how->dither);
       if (HBAO)
         m[v].a = h[v].start - m[v].blocked;
       if (EACH_RISE_COUNTS)
@@ -63,11 +60,8 @@ INLINE void gather_slice(const hbil_gather_args args, const receiver *c,
     }
     steps += side_steps;
   }
-  for (int v = 0; v < SPAN_VECTORS; ++v) {
+  for (int v = 0; v < SPAN_VECTORS; ++v)
     add_slice(&t[v], &s[v], ux, uy);
-    if (CACHE_HORIZONS)
-      cache_float(&cache[v], s[v].jacobian);
-  }
 }
 
 /* The same for a span above which nothing rises, as far as it matters: how much
@@ -108,7 +102,7 @@ typedef struct span_place {
 INLINE void search_set(const hbil_gather_args args, const receiver *c,
                        global const hbil_step *table, int first,
                        const span_march *how, const span_place *at,
-                       cache_cursor *cache, slice_set *set) {
+                       slice_set *set) {
   const uint slice = 2u * (uint)(args.steps + 1);
   totals t[SPAN_VECTORS];
   intv untouched[SPAN_VECTORS];
@@ -121,11 +115,11 @@ INLINE void search_set(const hbil_gather_args args, const receiver *c,
     if (at->skips_all)
       weigh_slice(c, steps, t);
     else
-      gather_slice(args, c, steps, args.steps + 1, how, t, untouched, cache);
+      gather_slice(args, c, steps, args.steps + 1, how, t, untouched);
   }
   for (int v = 0; v < SPAN_VECTORS; ++v) {
     finish_totals(&c[v], &t[v], untouched[v],
-                  (float)(args.slices / SLICE_FRAMES), &cache[v], set[v].value);
+                  (float)(args.slices / SLICE_FRAMES), set[v].value);
     set[v].known = TRUE_LANES;
   }
 }
@@ -134,9 +128,8 @@ INLINE void search_set(const hbil_gather_args args, const receiver *c,
  * slices, where too many pixels have no others.  next: the whole buffer. */
 INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
                           global const hbil_step *table, const span_march *how,
-                          const span_place *at, cache_cursor *cache,
-                          const slice_past *past, global float *light,
-                          global float *next) {
+                          const span_place *at, const slice_past *past,
+                          global float *light, global float *next) {
   slice_set sets[SLICE_FRAMES * SPAN_VECTORS];
   int shown = 0, missing = 0, turn = 0; /* turn: of frames */
   if (args.has_past)
@@ -155,7 +148,7 @@ INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
   const int ages = MOST_MISSING * missing > shown ? SLICE_FRAMES : 1;
   for (int age = 0; age < ages; ++age)
     search_set(args, c, table, (turn + SLICE_FRAMES - age) % SLICE_FRAMES, how,
-               at, cache, sets + age * SPAN_VECTORS);
+               at, sets + age * SPAN_VECTORS);
   if (at->x == 0 && at->y == 0 && at->layer == 0)
     next[0] = (float)turn;
   next += (uint)at->gathered * args.past.layer + args.past.origin +
@@ -173,9 +166,9 @@ kernel void gather(const hbil_gather_args args, global const float *split,
                    global const hbil_step *steps, global float *light,
                    global const uint *bounds, global const uint *used_groups,
                    global uchar *span_states, global const uint *flags,
-                   global float *whole_cache, global const float *past,
-                   global float *next, global const void *motion,
-                   const hbil_fall_args fall, global const float *ratios) {
+                   global const float *past, global float *next,
+                   global const void *motion, const hbil_fall_args fall,
+                   global const float *ratios) {
   const hbil_layer_args in = args.split;
   const int x = (int)get_global_id(0) * (SPAN_VECTORS * HBIL_WIDTH);
   const int y = (int)get_global_id(1);
@@ -184,8 +177,6 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   const int site = hbil_site(layer, y, GATHERED);
   if (x >= in.width || y >= in.height ||
       (args.is_static && !flags[HBIL_FLAG_CHANGED]))
-    return;
-  if (CACHE_HORIZONS && (uint)y >= args.cache.rows)
     return;
   const uint at = (uint)layer * in.layer + in.origin + (uint)y * in.row;
   global const float *here = split + at + (uint)x;
@@ -216,12 +207,6 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   span_states[(uint)(HBIL_LAYERS * in.height) * args.spans] =
       (uchar)(ANY(sky) ? count_sky(c) : 0u);
 
-  cache_cursor cache[SPAN_VECTORS];
-  if (CACHE_HORIZONS)
-    for (uint v = 0u; v < SPAN_VECTORS; ++v)
-      cache[v] = cache_at(
-          args.cache, whole_cache,
-          first_vector(args.cache, args.spans, gathered_index, y, span_x) + v);
 #if GATHER_RADIANCE && FALLBACK_LAST_ACCEPTED
   if (!skips_all)
     for (int v = 0; v < SPAN_VECTORS; ++v)
@@ -248,18 +233,18 @@ kernel void gather(const hbil_gather_args args, global const float *split,
   const slice_past last = {
       past, motion, fall,
       PROBES && args.has_past && light_falls(fall, ratios) ? ratios : 0};
-  gather_shared(args, c, steps, &how, &place, cache, &last, light, next);
+  gather_shared(args, c, steps, &how, &place, &last, light, next);
 #else
   const int slices = skipped & HBIL_SPAN_SKY ? 0 : args.slices;
   for (int i = 0; i < slices; ++i) {
     if (!skips_all || OUT_GLOSSY) /* whole lobes are summed up in any case */
-      gather_slice(args, c, steps, args.steps + 1, &how, t, untouched, cache);
+      gather_slice(args, c, steps, args.steps + 1, &how, t, untouched);
     else if (WEIGHT_PLANE)
       weigh_slice(c, steps, t);
     steps += 2 * (args.steps + 1);
   }
   for (int v = 0; v < SPAN_VECTORS; ++v)
     store_totals(&c[v], &t[v], untouched[v], args.slices, site,
-                 light + v * HBIL_WIDTH, args.light.plane, &cache[v]);
+                 light + v * HBIL_WIDTH, args.light.plane);
 #endif
 }

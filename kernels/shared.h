@@ -406,15 +406,7 @@ typedef struct hbil_make_pattern_args {
 } hbil_make_pattern_args;
 HBIL_ASSERT_LAYOUT(hbil_make_pattern_args, split, 17, 24)
 
-/* The horizon cache (lib/horizon_cache.clh): rows of a layer, from the first
- * on, that it holds; vectors of pixels in those rows of all layers; the most
- * floats of a pixel; the most entries of a vector. */
-typedef struct hbil_horizon_cache_args {
-  hbil_uint rows, vectors, floats, entries;
-} hbil_horizon_cache_args;
-HBIL_ASSERT_LAYOUT(hbil_horizon_cache_args, entries, 3, 4)
-
-/* gather, and regather from the horizon cache. */
+/* gather */
 typedef struct hbil_gather_args {
   hbil_view_args view;
   hbil_layer_args split, light;
@@ -435,8 +427,7 @@ typedef struct hbil_gather_args {
   hbil_uint spans;        /* of a layer's row */
   hbil_int slices, steps; /* hbil_config's */
   hbil_int is_static;     /* leave at once unless HBIL_FLAG_CHANGED is set */
-  hbil_horizon_cache_args cache;
-  hbil_float lobe; /* k of the output `glossy` at normal view */
+  hbil_float lobe;        /* k of the output `glossy` at normal view */
   /* where frames share slices: the last frame's view; from this view to it, and
    * from it; the buffer that frames hand on; hbil_frame.exposure and its
    * inverse; whether there is a last frame */
@@ -449,7 +440,7 @@ typedef struct hbil_gather_args {
   hbil_float exposure, per_exposure;
   hbil_int has_past;
 } hbil_gather_args;
-HBIL_ASSERT_LAYOUT(hbil_gather_args, has_past, 103, 104)
+HBIL_ASSERT_LAYOUT(hbil_gather_args, has_past, 99, 100)
 
 /* Factors that turn the standard deviation of the light that recompose brings
  * together into an error that 95 % of the pixels don't exceed. */

@@ -351,9 +351,6 @@ typedef struct hbil_statistics {
   hbil_count open;   /* nothing can block these (HBIL_SKIP_OPEN) */
   hbil_count dark;   /* no light is in reach (HBIL_SKIP_DARK) */
   hbil_count unused; /* no output shows their light (HBIL_SKIP_UNUSED) */
-  /* Their light came from the horizon cache.  The rows of the cache have no
-   * dark spans, neither in frames that fill it nor in those that read it. */
-  hbil_count from_cache;
   cl_bool not_run[HBIL_PASS_COUNT]; /* passes that had nothing to do */
 } hbil_statistics;
 

@@ -140,8 +140,7 @@ typedef struct hbil_outputs {
   hbil_plane_format unknown;
   /* 3 channels: the mean indirect radiance that a mirror of model.roughness
    * reflects to the eye, without its colour.  For HBIL_MODE_HBIL and the
-   * cache methods NONE and RAYS; excludes horizon_cache_bytes (doc/method.md,
-   * section 23). */
+   * cache methods NONE and RAYS (doc/method.md, section 23). */
   hbil_plane_format glossy;
 
   hbil_space bent_normal_space; /* default VIEW */
@@ -450,14 +449,6 @@ typedef struct hbil_execution {
   /* CL_TRUE: hbil_plan_timings() works, and queues must have
    * CL_QUEUE_PROFILING_ENABLE.  Default CL_FALSE */
   cl_bool profiling;
-  /* Device memory for the horizon cache, in bytes; default 0.  The first static
-   * frame stores how much the light of each sample counts for each pixel.
-   * Later ones only add up light, which is faster and gives the same bits.  The
-   * cache never takes more than all rows need, nor more than the device's
-   * largest buffer; rows that don't fit are gathered as usual.  There is no
-   * cache without HBIL_SKIP_STATIC, with glossy, or without carried light.
-   * hbil_plan_memory() includes it. */
-  size_t horizon_cache_bytes;
 } hbil_execution;
 
 /* ------------------------------------------------------------------------ */

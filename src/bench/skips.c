@@ -112,11 +112,10 @@ static int nothing_to_skip(const job *j, image_error *error) {
 }
 
 static int static_frames(const job *j, const char *name, unsigned settle,
-                         size_t horizon_cache_bytes, image_error *error) {
+                         image_error *error) {
   bench_turn less = whole_frame(j);
   less.play = BENCH_PLAY_STATIC;
   less.settle = settle;
-  less.config.execution.horizon_cache_bytes = horizon_cache_bytes;
   return compare(j, name, whole_frame(j), less, error);
 }
 
@@ -210,11 +209,9 @@ static int measure(job *j, image_error *error) {
                                  error) != 0 ||
                  changed_content(j, "light in a corner, one bounce",
                                  light_in_a_corner, 1, error) != 0 ||
-                 static_frames(j, "static, light spreads", 0, 0, error) != 0 ||
-                 static_frames(j, "the same with a horizon cache", 0, SIZE_MAX,
-                               error) != 0 ||
-                 static_frames(j, "static, after 80 frames", SETTLE, 0,
-                               error) != 0 ||
+                 static_frames(j, "static, light spreads", 0, error) != 0 ||
+                 static_frames(j, "static, after 80 frames", SETTLE, error) !=
+                     0 ||
                  static_second(j, error) != 0 || ao_alone(j, error) != 0
              ? -1
              : 0;

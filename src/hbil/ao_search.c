@@ -46,7 +46,7 @@ static hbil_plan view_of(const hbil_plan *plan) {
 hbil_status enqueue_ao_search(const hbil_plan *plan, commands *chain,
                               const hbil_frame *frame, pass_function *pass) {
   hbil_plan view = view_of(plan);
-  trial_launches trial = {.launched = {{false}}}, *const plans = chain->trial;
+  trial_launches trial = {.launched = {false}}, *const plans = chain->trial;
   if (!plan->layout.ao_search)
     return HBIL_SUCCESS;
   chain->kernels = &plan->ao.kernels;

@@ -40,7 +40,7 @@ static hbil_status allocate(hbil_cache *cache) {
 
 /* Launches every kernel once, without any work. */
 static hbil_status try_kernels(hbil_cache *cache, cl_command_queue queue) {
-  trial_launches trial = {.launched = {{false}}};
+  trial_launches trial = {.launched = {false}};
   commands chain = commands_of_cache(cache, queue);
   const cl_long moved[3] = {0, 0, 0};
   hbil_cache_update update;

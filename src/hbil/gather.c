@@ -1,5 +1,4 @@
-/* gather: the table of steps and the horizon search; in static frames, the
- * light from the horizon cache. */
+/* gather: the table of steps and the horizon search. */
 #include "passes.h"
 
 #include <float.h>
@@ -145,7 +144,6 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
       .spans = (cl_uint)plan->layout.spans,
       .slices = pattern->slices,
       .steps = pattern->steps,
-      .cache = plan->layout.cache,
       .lobe = glossy_lobe(c),
       .past = plan->layout.past,
       .motion_scale = {c->inputs.motion_scale[0], c->inputs.motion_scale[1]},
@@ -165,13 +163,12 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
   return args;
 }
 
-/* Searches horizons in the rows of a layer from `top` to `bottom`, with one of
- * the kernels of gather.cl.  Where frames share slices, what this one finds
- * goes to the other of two buffers.  composite makes it the plan's, so that a
- * frame which fails leaves none. */
+/* Searches horizons with one of the kernels of gather.cl.  Where frames share
+ * slices, what this one finds goes to the other of two buffers.  composite
+ * makes it the plan's, so that a frame which fails leaves none. */
 static hbil_status search(hbil_plan *plan, commands *chain,
                           const hbil_frame *frame, hbil_gather_args *args,
-                          size_t top, size_t bottom, int kernel) {
+                          int kernel) {
   const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args->motion);
   const cl_mem ratios = fall_ratios(frame);
   const hbil_fall_args fall = fall_args(plan, frame);
@@ -183,58 +180,30 @@ static hbil_status search(hbil_plan *plan, commands *chain,
                            BUFFER_ARG(plan, BUFFER_USED_GROUPS),
                            BUFFER_ARG(plan, BUFFER_SPAN_STATES),
                            BUFFER_ARG(plan, BUFFER_FLAGS),
-                           BUFFER_ARG(plan, BUFFER_HORIZON_CACHE),
                            BUFFER_ARG(plan, BUFFER_SLICES + plan->slices.last),
                            BUFFER_ARG(plan, BUFFER_SLICES + !plan->slices.last),
                            ARG(motion),
                            ARG(fall),
                            ARG(ratios)};
-  if (top == bottom)
-    return HBIL_SUCCESS;
-  return LAUNCH_ROWS(chain, kernel, list, top, plan->layout.spans, bottom - top,
-                     (size_t)plan->layout.pattern.gathered);
+  return LAUNCH(chain, kernel, list, plan->layout.spans,
+                (size_t)plan->layout.split.height,
+                (size_t)plan->layout.pattern.gathered);
 }
 
-/* Computes light from the horizon cache. */
-static hbil_status regather(hbil_plan *plan, commands *chain,
-                            const hbil_gather_args *args) {
-  const argument list[] = {ARG(*args),
-                           BUFFER_ARG(plan, BUFFER_SPLIT),
-                           BUFFER_ARG(plan, BUFFER_LIGHT),
-                           BUFFER_ARG(plan, BUFFER_SPAN_STATES),
-                           BUFFER_ARG(plan, BUFFER_FLAGS),
-                           BUFFER_ARG(plan, BUFFER_HORIZON_CACHE)};
-  return LAUNCH(chain, KERNEL_REGATHER, list, plan->layout.spans,
-                plan->layout.cache.rows, (size_t)plan->layout.pattern.gathered);
-}
-
-/* Gathers all pixels.  The first static frame fills the horizon cache, for as
- * many rows as have memory, whether or not its light has changed.  It is the
- * first frame after which further static ones are likely.  Later static frames
- * read the cache.  rest: this frame may be left out where no light has changed
- * (may_rest()). */
+/* Gathers all pixels.  rest: this frame may be left out where no light has
+ * changed (may_rest()). */
 static hbil_status gather_all(hbil_plan *plan, commands *chain,
                               const hbil_frame *frame, hbil_gather_args *args,
                               bool rest) {
-  const layout *l = &plan->layout;
   const bool shares = shares_slices(plan, frame);
-  const size_t cached = is_static(plan, frame) ? l->cache.rows : 0;
-  const bool filled = cached && plan->cache_filled;
-  args->is_static = CL_FALSE;
-  hbil_status status = filled ? regather(plan, chain, args)
-                              : search(plan, chain, frame, args, 0, cached,
-                                       KERNEL_GATHER_AND_CACHE);
   args->is_static = rest;
-  if (status == HBIL_SUCCESS)
-    status = search(plan, chain, frame, args, cached, (size_t)l->split.height,
-                    l->slice_frames > 1 && !shares ? KERNEL_GATHER_ALL
-                                                   : KERNEL_GATHER);
+  const hbil_status status =
+      search(plan, chain, frame, args,
+             plan->layout.slice_frames > 1 && !shares ? KERNEL_GATHER_ALL
+                                                      : KERNEL_GATHER);
   plan->slices.written = shares && status == HBIL_SUCCESS;
   plan->searched_all = !shares;
-  plan->cache_used = filled;
-  /* a static frame never follows one that failed */
-  plan->cache_filled = cached > 0;
-  plan->may_leave_out[HBIL_PASS_GATHER] = rest && (filled || !cached);
+  plan->may_leave_out[HBIL_PASS_GATHER] = rest;
   return status;
 }
 

@@ -289,32 +289,6 @@ static void lay_out_resolved(const hbil_config *config, layout *out) {
       sizeof(cl_float) * out->resolved_planes * (size_t)out->planes.plane;
 }
 
-/* Gives the cache as many rows as fit into horizon_cache_bytes.  Returns their
- * bytes. */
-static size_t lay_out_horizon_cache(const hbil_config *config, layout *out) {
-  const size_t width = config->execution.vector_width;
-  const size_t vectors = out->taken / width;
-  const size_t across = out->spans * vectors * (size_t)out->pattern.gathered;
-  const cl_uint sides = 2 * config->sampling.slices;
-  const bool last =
-      config_rejects_back_faces(config) &&
-      config->model.back_facing_fallback == HBIL_FALLBACK_LAST_ACCEPTED;
-  /* each sample may be an interval of its own (gather/intervals.clh) */
-  const bool intervals = config_has_thickness(config);
-  const cl_uint samples = near_steps(config);
-  const cl_uint of_sample = (last ? 2 : 1) + intervals;
-  hbil_horizon_cache_args *f = &out->cache;
-  f->floats = sides * samples * of_sample + config->sampling.slices + 1;
-  f->entries = sides * (samples * (1 + intervals) + 1);
-  const cl_ulong row = sizeof(cl_float) * (cl_ulong)across *
-                       ((cl_ulong)f->floats * width + f->entries);
-  const cl_ulong rows = config->execution.horizon_cache_bytes / row;
-  f->rows = rows < (cl_ulong)out->split.height ? (cl_uint)rows
-                                               : (cl_uint)out->split.height;
-  f->vectors = (cl_uint)(across * f->rows);
-  return (size_t)(row * f->rows);
-}
-
 /* Lanes of each part of the estimate: as many as the layers have rows for,
  * since the sums of the others are zero. */
 static cl_uint estimate_lanes(const hbil_layer_args *layers) {
@@ -469,8 +443,6 @@ void layout_compute(const hbil_config *config, const staging *staged,
   out->errors = error_factors(out->pattern.slices, out->pattern.steps,
                               config_has_thickness(config),
                               out->pattern.gathered < HBIL_LAYERS);
-  if (out->history && out->skip & HBIL_SKIP_STATIC && !out->glossy)
-    out->bytes[BUFFER_HORIZON_CACHE] = lay_out_horizon_cache(config, out);
   if (out->ao_search)
     lay_out_ao_search(&ao_config, out);
   lay_out_memory(alignment, out);

@@ -39,9 +39,8 @@ enum {
   BUFFER_AO_SLICES,
   BUFFER_AO_SLICES_NEXT,
   BUFFER_AO_SPAN_STATES,
-  BUFFER_SANITIZED,     /* HBIL_SANITIZED_: counts of unusable inputs */
-  BUFFER_HORIZON_CACHE, /* of a static frame (lib/horizon_cache.clh) */
-  BUFFER_STAGED,        /* one for each plane, where it is staged */
+  BUFFER_SANITIZED, /* HBIL_SANITIZED_: counts of unusable inputs */
+  BUFFER_STAGED,    /* one for each plane, where it is staged */
   BUFFER_COUNT = BUFFER_STAGED + PLANE_COUNT
 };
 
@@ -71,10 +70,9 @@ typedef struct layout {
                 them; only without vectors, else of no width */
   hbil_probe_grid_args probe_grid;
   bool quadrants; /* whether the gather reads the quadrants of the bounds */
-  hbil_horizon_cache_args cache;
-  cl_uint span;              /* pixels of a span */
-  size_t taken;              /* of them, by one work-item of the gather */
-  size_t spans;              /* work-items of the gather, in a row of a layer */
+  cl_uint span;   /* pixels of a span */
+  size_t taken;   /* of them, by one work-item of the gather */
+  size_t spans;   /* work-items of the gather, in a row of a layer */
   hbil_far_field far_field;  /* NONE if no output shows it */
   hbil_pattern_args pattern; /* without turn, shift, reach */
   cl_uint line;              /* pixels that one work-item of composite takes */

@@ -99,7 +99,7 @@
 #define kernels_build hbil_internal_kernels_build
 #define kernels_release hbil_internal_kernels_release
 #define kernels_share hbil_internal_kernels_share
-#define launch_rows hbil_internal_launch_rows
+#define launch_kernel hbil_internal_launch_kernel
 #define layout_compute hbil_internal_layout_compute
 #define layout_is_scratch hbil_internal_layout_is_scratch
 #define layout_of_ao_search hbil_internal_layout_of_ao_search

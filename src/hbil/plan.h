@@ -22,12 +22,9 @@
   X(PROGRAM_SPLIT, "split", true, .relaxed = false)                            \
   X(PROGRAM_ESTIMATE, "estimate", l->estimate, .relaxed = false)               \
   X(PROGRAM_GATHER, "gather", true, .relaxed = true,                           \
-    .defines = "-DCACHE_HORIZONS=0 -DALL_SLICES=0", .registers = 64)           \
+    .defines = "-DALL_SLICES=0", .registers = 64)                              \
   X(PROGRAM_GATHER_ALL, "gather", l->slice_frames > 1, .relaxed = true,        \
-    .defines = "-DCACHE_HORIZONS=0 -DALL_SLICES=1", .registers = 64)           \
-  X(PROGRAM_GATHER_AND_CACHE, "gather", caches_horizons, .relaxed = true,      \
-    .defines = "-DCACHE_HORIZONS=1 -DALL_SLICES=1", .registers = 64)           \
-  X(PROGRAM_REGATHER, "regather", caches_horizons, .relaxed = true)            \
+    .defines = "-DALL_SLICES=1", .registers = 64)                              \
   X(PROGRAM_RECOMPOSE, "recompose", true, .relaxed = true)                     \
   X(PROGRAM_PROBE_RAYS, "cache/probe_rays", method == HBIL_CACHE_METHOD_RAYS,  \
     .relaxed = true)                                                           \
@@ -68,8 +65,6 @@
   X(KERNEL_PATTERN, "make_pattern", PROGRAM_LAYERS, true)                      \
   X(KERNEL_GATHER, "gather", PROGRAM_GATHER, true)                             \
   X(KERNEL_GATHER_ALL, "gather", PROGRAM_GATHER_ALL, true)                     \
-  X(KERNEL_GATHER_AND_CACHE, "gather", PROGRAM_GATHER_AND_CACHE, true)         \
-  X(KERNEL_REGATHER, "regather", PROGRAM_REGATHER, true)                       \
   X(KERNEL_RECOMPOSE, "recompose", PROGRAM_RECOMPOSE, true)                    \
   X(KERNEL_PROBE_RAYS, "probe_rays", PROGRAM_PROBE_RAYS, true)                 \
   X(KERNEL_PROBE_CONES, "probe_cones", PROGRAM_PROBE_CONES, true)              \
@@ -159,9 +154,6 @@ struct hbil_plan {
    * whether reproject is among them */
   unsigned planes_in_use;
   bool reprojected;
-  /* whether the last gather has filled the horizon cache, and whether that of
-   * the frame that is being enqueued reads it */
-  bool cache_filled, cache_used;
   /* of the last frame's staged depths and normals (gather.c); 0: of floats */
   float depth_rounding, normal_rounding;
   step_table steps, ao_steps;

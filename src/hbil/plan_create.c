@@ -24,7 +24,6 @@ static hbil_status build_kernels(hbil_plan *plan) {
   const layout *l = &plan->layout;
   const hbil_cache_method method =
       l->probes ? c->model.cache_method : HBIL_CACHE_METHOD_NONE;
-  const bool caches_horizons = l->bytes[BUFFER_HORIZON_CACHE] > 0;
   const bool bounds = l->bytes[BUFFER_BOUNDS] > 0;
   const bool relights = l->history && l->skip & HBIL_SKIP_STATIC;
   const bool imports = l->staged.images & INPUT_PLANES;
@@ -83,9 +82,8 @@ static hbil_status write_first(hbil_plan *plan, commands *chain) {
 }
 
 /* Frames whose passes launch every kernel that a plan has: the first one,
- * another one with light to carry over, a static one, which fills the horizon
- * cache, and another static one, which reads it. */
-enum { TRIAL_FRAMES = 4, FIRST_STATIC = 2 };
+ * another one with light to carry over, and a static one. */
+enum { TRIAL_FRAMES = 3, FIRST_STATIC = 2 };
 
 /* Gives a trial frame an image of one pixel for each plane that is one, in the
  * format that OpenCL 1.2 demands; *image: NULL if there is none. */
@@ -114,7 +112,7 @@ static hbil_status make_image(const hbil_plan *plan, hbil_frame *frame,
  * numbers of work-items of frames.  Nothing that frames read is changed. */
 static hbil_status launch_every_kernel(hbil_plan *plan, commands *first) {
   const hbil_plan before = *plan;
-  trial_launches trial = {.launched = {{false}}};
+  trial_launches trial = {.launched = {false}};
   commands chain = *first;
   hbil_frame frame;
   cl_mem image;
@@ -153,8 +151,7 @@ static hbil_status prepare(void *object, cl_command_queue queue) {
 
 /* What a plan of the caller's config is: the config, checked and without
  * defaults, and the sizes.  If vector_width is 0, it is chosen for the device.
- * sky_depth is limited to HBIL_FARTHEST_DEPTH, and the horizon cache to the
- * largest buffer. */
+ * sky_depth is limited to HBIL_FARTHEST_DEPTH. */
 static hbil_status lay_out(hbil_context *context, const hbil_config *given,
                            hbil_config *resolved, layout *sizes) {
   buffer_limits limits;
@@ -168,8 +165,6 @@ static hbil_status lay_out(hbil_context *context, const hbil_config *given,
     return status;
   if (!resolved->execution.vector_width)
     resolved->execution.vector_width = context->vector_width;
-  if (resolved->execution.horizon_cache_bytes > limits.largest)
-    resolved->execution.horizon_cache_bytes = limits.largest;
   resolved->inputs.sky_depth =
       fminf(resolved->inputs.sky_depth, HBIL_FARTHEST_DEPTH);
   searches_settle(resolved);

@@ -80,8 +80,8 @@ static hbil_status fill_probes(const hbil_plan *plan, commands *chain,
   list[count++] = (argument)BUFFER_ARG(plan, probes);
   if (kind->kernel == KERNEL_PROBE_RSM)
     list[count++] = (argument)ARG(lights);
-  return launch_rows(chain, kind->kernel, list, count, 0,
-                     (size_t)args->grid.columns, (size_t)args->grid.lines, 1);
+  return launch_kernel(chain, kind->kernel, list, count,
+                       (size_t)args->grid.columns, (size_t)args->grid.lines, 1);
 }
 
 /* Joins the filtered probes with those of the last frame. */

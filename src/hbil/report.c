@@ -77,7 +77,6 @@ static void count_spans(const hbil_plan *plan, const unsigned char *spans,
   const size_t height = (size_t)plan->layout.split.height;
   const size_t count = across * height * HBIL_LAYERS;
   const size_t size = plan->layout.taken;
-  const size_t cached = plan->cache_used ? plan->layout.cache.rows : 0;
   for (size_t i = 0; i < count; ++i) {
     const size_t layer = i / (across * height);
     const size_t y = HBIL_SIDE * (i / across % height) + layer / HBIL_SIDE;
@@ -90,8 +89,6 @@ static void count_spans(const hbil_plan *plan, const unsigned char *spans,
     /* lanes outside the picture are sky, too */
     const size_t sky = spans[count + i] - (size - inside);
     count_span(out, spans[i], inside, sky);
-    if (!spans[i] && i / across % height < cached)
-      add(&out->from_cache, inside - sky);
   }
 }
 
@@ -123,8 +120,7 @@ hbil_status hbil_plan_statistics(hbil_plan *plan, cl_command_queue queue,
     status = read_spans(plan, &chain, out);
   end_commands(&chain);
   if (status == HBIL_SUCCESS && out->not_run[HBIL_PASS_GATHER])
-    out->sky = out->open = out->dark = out->unused = out->from_cache =
-        (hbil_count){0, 0};
+    out->sky = out->open = out->dark = out->unused = (hbil_count){0, 0};
   return status;
 }
 

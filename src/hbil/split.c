@@ -134,7 +134,6 @@ hbil_status enqueue_split(hbil_plan *plan, commands *chain,
   if (is_static(plan, frame))
     return plan->layout.history ? relight(plan, chain, frame)
                                 : leave_out(plan, HBIL_PASS_SPLIT);
-  plan->cache_filled = false; /* with other shapes */
   plan->static_frames = 0;
   hbil_split_args args = split_args(plan, frame);
   const inputs in = bind_inputs(plan, frame, &args);

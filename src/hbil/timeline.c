@@ -209,30 +209,23 @@ static hbil_status set_arguments(const commands *chain, int kernel,
   return HBIL_SUCCESS;
 }
 
-/* Notes a trial launch; false if there was one like it. */
-static bool is_first_launch(trial_launches *trial, int kernel, size_t top) {
-  bool *launched = &trial->launched[kernel][top > 0];
-  const bool first = !*launched;
-  *launched = true;
-  return first;
-}
-
-hbil_status launch_rows(commands *chain, int kernel, const argument *args,
-                        cl_uint count, size_t top, size_t x, size_t y,
-                        size_t z) {
+hbil_status launch_kernel(commands *chain, int kernel, const argument *args,
+                          cl_uint count, size_t x, size_t y, size_t z) {
   hbil_context *context = chain->context;
   const size_t *group = context->group;
   const size_t local[3] = {group[0], group[1], 1};
   const size_t global[3] = {groups_up(x, group[0]), groups_up(y, group[1]), z};
-  const size_t offset[3] = {0, top, 0};
   cl_event event = NULL;
-  if (chain->trial && !is_first_launch(chain->trial, kernel, top))
-    return HBIL_SUCCESS;
+  if (chain->trial) {
+    if (chain->trial->launched[kernel])
+      return HBIL_SUCCESS;
+    chain->trial->launched[kernel] = true;
+  }
   const hbil_status status = set_arguments(chain, kernel, args, count);
   if (status != HBIL_SUCCESS)
     return status;
   const cl_int error = clEnqueueNDRangeKernel(
-      chain->queue, chain->kernels->kernels[kernel], 3, offset, global, local,
+      chain->queue, chain->kernels->kernels[kernel], 3, NULL, global, local,
       chain->wait_count, chain->wait_list, chain->events ? &event : NULL);
   if (error != CL_SUCCESS)
     return fail_kernel(chain, error, "clEnqueueNDRangeKernel", kernel);

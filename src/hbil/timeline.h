@@ -27,10 +27,9 @@ typedef struct command_times {
   cl_int error;          /* why some are missing */
 } command_times;
 
-/* The kernels that have had a trial launch: without and with an offset of their
- * rows, which compilers may tell apart. */
+/* The kernels that have had a trial launch. */
 typedef struct trial_launches {
-  bool launched[MOST_KERNELS][2];
+  bool launched[MOST_KERNELS];
 } trial_launches;
 
 typedef struct commands {
@@ -85,20 +84,17 @@ typedef struct argument {
 #define ARG(x)                                                                 \
   { sizeof(x), &(x), _Generic((x), cl_mem : true, default : false) }
 /* Enqueues a kernel with x * y * z work-items, rounded up to whole groups,
- * which kernels ignore; rows of work-items from `top` on.
+ * which kernels ignore.
  *
  * In trial launches each kernel is enqueued once, so that drivers compile it
  * which do so at the first launch.  Their values are all 0: pictures have no
  * pixels, so no work-item has anything to do. */
-hbil_status launch_rows(commands *chain, int kernel, const argument *args,
-                        cl_uint count, size_t top, size_t x, size_t y,
-                        size_t z);
+hbil_status launch_kernel(commands *chain, int kernel, const argument *args,
+                          cl_uint count, size_t x, size_t y, size_t z);
 
-#define LAUNCH_ROWS(chain, kernel, args, top, x, y, z)                         \
-  launch_rows((chain), (kernel), (args),                                       \
-              (cl_uint)(sizeof(args) / sizeof *(args)), (top), (x), (y), (z))
 #define LAUNCH(chain, kernel, args, x, y, z)                                   \
-  LAUNCH_ROWS(chain, kernel, args, 0, x, y, z)
+  launch_kernel((chain), (kernel), (args),                                     \
+                (cl_uint)(sizeof(args) / sizeof *(args)), (x), (y), (z))
 
 /* Fills `bytes` of memory from `offset` on with copies of a word. */
 hbil_status fill_memory(commands *chain, cl_mem memory, cl_uint word,

@@ -12,7 +12,6 @@
 
 #include <stdint.h>
 #include <string.h>
-#include <sys/resource.h>
 
 int lighting_prepare(lighting *l, const job *j, image_error *error) {
   if (j->settings->exact)
@@ -38,29 +37,6 @@ static int open_exact(lighting *l, const job *j, image_error *error) {
                              &work, &l->exact, error);
 }
 
-/* Whether the process may use any amount of memory.  PoCL allocates a buffer
- * when it is first used and aborts if that fails. */
-static int memory_is_unlimited(void) {
-  struct rlimit limit;
-  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
-}
-
-/* Bytes for the horizon cache.  The first run of a frame may have moved, the
- * second one fills the cache, and later ones gain time; allocating the memory
- * takes as long as three of them gain (doc/measurements.md). */
-static size_t horizon_cache_bytes(const lighting *l, const job *j) {
-  const unsigned long long mebibyte = 1u << 20, enough = 1024;
-  const process_settings *s = j->settings;
-  const unsigned runs = s->repeat + (j->count == 1 ? s->warm_up : 0);
-  const unsigned long long quarter = device_memory(l->device.id) / 4;
-  unsigned long long bytes = 0;
-  if (s->horizon_cache != HORIZON_CACHE_CHOOSE)
-    bytes = s->horizon_cache * mebibyte;
-  else if (runs >= 8 && memory_is_unlimited())
-    bytes = quarter < enough * mebibyte ? quarter : enough * mebibyte;
-  return bytes < SIZE_MAX ? (size_t)bytes : SIZE_MAX;
-}
-
 static int open_sequence(lighting *l, const job *j, image_error *error) {
   return sequence_open(&l->device, l->context, &j->config, &j->frames[0].map,
                        job_lit_layers(j), job_halves(j), &l->sequence, error);
@@ -79,14 +55,6 @@ int lighting_open(lighting *l, job *j, image_error *error) {
   if (j->settings->exact)
     return open_exact(l, j, error);
   last_words_driver("built kernels");
-  j->config.execution.horizon_cache_bytes = horizon_cache_bytes(l, j);
-  if (open_sequence(l, j, error) == 0)
-    return open_cache(l, j, error);
-  /* a cache that nobody asked for must not make the job fail */
-  if (!j->config.execution.horizon_cache_bytes ||
-      j->settings->horizon_cache != HORIZON_CACHE_CHOOSE)
-    return -1;
-  j->config.execution.horizon_cache_bytes = 0;
   return open_sequence(l, j, error) != 0 ? -1 : open_cache(l, j, error);
 }
 

@@ -24,7 +24,6 @@ enum { SLICES_MOST_EXACT = 4096, SLICES_EXACT = 256 };
 /* What has no light, and what is about the radiance cache. */
 #define MODE SETTING(config.model.mode)
 #define DARK_MODES (1u << HBIL_MODE_GTAO | 1u << HBIL_MODE_HBAO)
-#define NO_NEW_LIGHT "where later runs of a frame bring no new light"
 #define OF_CACHE                                                               \
   NOT_EXACT("which has no radiance cache"),                                    \
       NOT_WITH(SETTING(far), 1u << FAR_IS_ENVIRONMENT | 1u << FAR_IS_NONE,     \
@@ -176,20 +175,6 @@ static const option_row job_rows[] = {
      .help = "run every frame N times, for more bounces ({})"},
     {ROW_NUMBER("warm-up", SETTING(warm_up), 0, 1000, "N"),
      .help = "run the first frame N more times ({})"},
-    {ROW_NUMBER("horizon-cache", SETTING(horizon_cache), 0, HORIZON_CACHE_MOST,
-                "MIB"),
-     .library = "execution.horizon_cache_bytes",
-     .help =
-         "memory for caching horizons between runs of the same frame.  Makes "
-         "the third and later runs faster and doesn't change the result (1024, "
-         "or a quarter of the device's memory, when a frame runs eight times "
-         "or more; otherwise, and where ulimit limits memory, 0)",
-     .relations = {NOT_EXACT("which caches nothing"),
-                   NOT_WITH(MODE, DARK_MODES, NO_NEW_LIGHT),
-                   NOT_WITH(SETTING(config.history.reprojection),
-                            1u << HBIL_REPROJECTION_NONE, NO_NEW_LIGHT),
-                   NOT_WITH(SETTING(config.execution.skip), 0,
-                            "which makes later runs of a frame do all work")}},
     {ROW_FLAG("preview", SETTING(preview)),
      .help = "also write DIR/FRAME.LAYER.png"},
     {ROW_TEXT("contact-sheet", SETTING(contact_sheet), "PNG"),

@@ -51,8 +51,7 @@ static int report_memory(const device *d, const char *place,
              device_memory(d->id) >> 20);
   return image_fail(error,
                     "%s: not enough memory: %s%s; smaller frames, a smaller "
-                    "--cache-size or --horizon-cache, or more memory are "
-                    "needed",
+                    "--cache-size, or more memory are needed",
                     place, message, limit);
 }
 

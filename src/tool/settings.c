@@ -44,7 +44,6 @@ void process_settings_init(process_settings *settings) {
   source_options_init(&settings->source);
   settings->warm_up = model_warm_up(HBIL_MODEL_DEFAULT);
   settings->repeat = 1;
-  settings->horizon_cache = HORIZON_CACHE_CHOOSE;
   /* Writing with piz takes 6 to 12 times as long, for .6 to .7 of the bytes:
    * at 1280x720, .4 to 1 s instead of .07 to .09 on two cores, which is longer
    * than lighting a frame takes (doc/measurements.md). */

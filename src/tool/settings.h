@@ -23,10 +23,6 @@ unsigned model_warm_up(hbil_model_name model);
 /* ------------------------------------------------------------------------ */
 /* Settings                                                                  */
 
-/* MiB that --horizon-cache takes at most, and the value that stands for
- * "choose". */
-enum { HORIZON_CACHE_MOST = 1 << 20, HORIZON_CACHE_CHOOSE };
-
 /* `--far environment` and `--far none`: frames have no radiance cache.  With
  * the second, process_settings.environment is "none". */
 typedef enum far_without_cache {
@@ -84,7 +80,6 @@ typedef struct process_settings {
                             first one */
   unsigned repeat;       /* runs of every frame, at least 1 */
   unsigned warm_up;      /* additional runs of the first frame */
-  unsigned horizon_cache;            /* MiB, or HORIZON_CACHE_CHOOSE */
   int preview, timings, json, quiet; /* flags */
   int resume;    /* 1: results of the same settings and frames stay */
   int overwrite; /* 1: existing results are replaced; 0: they are an error */

@@ -22,8 +22,7 @@ static void statistics_print(const hbil_statistics *s, FILE *out) {
   } shares[] = {{"sky", &s->sky},
                 {"open", &s->open},
                 {"dark", &s->dark},
-                {"unused", &s->unused},
-                {"from the horizon cache", &s->from_cache}};
+                {"unused", &s->unused}};
   const char *between = "";
   for (size_t i = 0; i < sizeof shares / sizeof *shares; i++) {
     if (!shares[i].share->pixels)
@@ -45,18 +44,17 @@ static json_t *count_json(const hbil_count *s) {
                    (json_int_t)s->spans);
 }
 
-/* The same as an object: "all", "sky", "open", "dark", "unused" and "cached",
+/* The same as an object: "all", "sky", "open", "dark" and "unused",
  * each with "pixels" and "spans", and the list "not_run" of passes. */
 static json_t *statistics_json(const hbil_statistics *s) {
   json_t *passes = json_array();
   for (int p = 0; p < HBIL_PASS_COUNT; p++)
     if (s->not_run[p])
       json_array_append_new(passes, json_string(hbil_pass_name((hbil_pass)p)));
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "all",
-                   count_json(&s->all), "sky", count_json(&s->sky), "open",
-                   count_json(&s->open), "dark", count_json(&s->dark), "unused",
-                   count_json(&s->unused), "cached", count_json(&s->from_cache),
-                   "not_run", passes);
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "all", count_json(&s->all),
+                   "sky", count_json(&s->sky), "open", count_json(&s->open),
+                   "dark", count_json(&s->dark), "unused",
+                   count_json(&s->unused), "not_run", passes);
 }
 
 enum { FACING_AWAY = 7, SANITIZED_INPUTS };

@@ -266,8 +266,8 @@ static void run_frame(setup *s, cl_uint i, bool pass_by_pass) {
                                           p, p, 0, NULL, NULL));
 }
 
-/* Frames in a row: with slices that they share, static with and without a
- * horizon cache, and pass by pass.  The second plan has two searches, the
+/* Frames in a row: with slices that they share, static, and pass by
+ * pass.  The second plan has two searches, the
  * others one, whose occlusion and whose light it has. */
 static void sequences_agree(void **state) {
   (void)state;
@@ -280,7 +280,6 @@ static void sequences_agree(void **state) {
       s[i].config.outputs.glossy.component = HBIL_NONE;
       s[i].config.model.radius = i ? NEAR : INFINITY;
       s[i].config.model.ao_radius = i == 2 ? NEAR : INFINITY;
-      s[i].config.execution.horizon_cache_bytes = frames > 1 ? 0 : 1 << 24;
       setup_start(s + i);
     }
     for (cl_uint k = 0; k < 5; ++k) {

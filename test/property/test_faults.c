@@ -45,7 +45,6 @@ static void prepare(setup *s) {
   setup_every_pass(s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
   s->config.model.radius = 2.0f; /* ao has its own search */
   s->config.execution.profiling = CL_TRUE;
-  s->config.execution.horizon_cache_bytes = SIZE_MAX;
 }
 
 static hbil_status make_plan(const hbil_config *config) {
@@ -209,52 +208,6 @@ static void static_frames_do_not_stand_on_failures(void **state) {
       setup_run(&t.plain, hbil_enqueue_frame);
   }
   assert_in_range(o.nth, 200, 5000);
-  free_step(&t);
-}
-
-static void both(step *t, cl_bool still) {
-  t->plain.frame.static_frame = t->faulty.frame.static_frame = still;
-  setup_run(&t->plain, hbil_enqueue_frame);
-  setup_run(&t->faulty, hbil_enqueue_frame);
-}
-
-/* A frame fails that fills the horizon cache or, if it is `filled`, uses it.
- * Afterwards the cache is filled and used again. */
-static void fail_with_cache(step *t, bool filled) {
-  outcome o = {0, "", HBIL_SUCCESS};
-  hbil_statistics skipped;
-  /* light that came to rest before would need no cache */
-  hbil_plan_reset(t->plain.plan);
-  hbil_plan_reset(t->faulty.plan);
-  for (int n = 1; o.failed; ++n) {
-    load(t, n % 2 ? 3 : 0);
-    both(t, CL_FALSE);
-    if (filled)
-      both(t, CL_TRUE);
-    t->plain.frame.static_frame = t->faulty.frame.static_frame = CL_TRUE;
-    setup_run(&t->plain, hbil_enqueue_frame);
-    o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t->faulty));
-    if (o.status != HBIL_SUCCESS)
-      setup_run(&t->faulty, hbil_enqueue_frame);
-    check_same(&o, t);
-    for (int i = 0; i < 2; ++i) {
-      both(t, CL_TRUE);
-      check_same(&o, t);
-    }
-    assert_success(
-        &t->faulty,
-        hbil_plan_statistics(t->faulty.plan, t->profiled.queue, &skipped));
-    assert_true(skipped.from_cache.spans > 0);
-  }
-  assert_in_range(o.nth, 100, 5000);
-}
-
-static void caches_do_not_stand_on_failures(void **state) {
-  step t;
-  (void)state;
-  start_step(&t);
-  fail_with_cache(&t, false);
-  fail_with_cache(&t, true);
   free_step(&t);
 }
 
@@ -514,7 +467,6 @@ int main(void) {
       cmocka_unit_test(frames_can_be_repeated),
       cmocka_unit_test(plans_end_after_failures),
       cmocka_unit_test(static_frames_do_not_stand_on_failures),
-      cmocka_unit_test(caches_do_not_stand_on_failures),
       cmocka_unit_test(frames_of_images_can_be_repeated),
       cmocka_unit_test(composite_to_images_can_be_repeated),
       cmocka_unit_test(questions_can_be_asked_again),

@@ -10,8 +10,7 @@
 static const int sizes[][2] = {{1, 1}, {3, 5}, {67, 35}};
 #define SIZES (sizeof sizes / sizeof *sizes)
 
-/* The room, another view of it, and that three times more as static frames: the
- * first of these fills the horizon cache, the others use it. */
+/* The room, another view of it, and that three times more as static frames. */
 static void run_frame(setup *s, int i) {
   s->frame.static_frame = i > 1;
   if (!s->frame.static_frame) {
@@ -22,13 +21,11 @@ static void run_frame(setup *s, int i) {
 }
 
 static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
-                       int width, int height, size_t horizon_cache_bytes) {
+                       int width, int height) {
   setup plain, guarded;
   setup_every_pass(&plain, reprojection, vector_width, width, height);
   setup_every_pass(&guarded, reprojection, vector_width, width, height);
   plain.config.outputs.glossy = guarded.config.outputs.glossy = three_floats;
-  plain.config.execution.horizon_cache_bytes =
-      guarded.config.execution.horizon_cache_bytes = horizon_cache_bytes;
   if (reprojection == HBIL_REPROJECTION_MOTION) /* ao has its own search */
     plain.config.model.radius = guarded.config.model.radius = 2.0f;
   setup_start_compiled(&plain);
@@ -51,40 +48,25 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
 static void vectors_stay_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_CAMERA, 0, sizes[i][0], sizes[i][1], SIZE_MAX);
+    check_size(HBIL_REPROJECTION_CAMERA, 0, sizes[i][0], sizes[i][1]);
 }
 
 static void single_pixels_stay_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_CAMERA, 1, sizes[i][0], sizes[i][1], SIZE_MAX);
+    check_size(HBIL_REPROJECTION_CAMERA, 1, sizes[i][0], sizes[i][1]);
 }
 
 static void motion_stays_inside(void **state) {
   (void)state;
   for (size_t i = 0; i < SIZES; ++i)
-    check_size(HBIL_REPROJECTION_MOTION, 0, sizes[i][0], sizes[i][1], SIZE_MAX);
-}
-
-/* A horizon cache of three rows of a layer that has nine. */
-static void caches_of_some_rows_stay_inside(void **state) {
-  const cl_uint widths[] = {0, 1};
-  (void)state;
-  for (int w = 0; w < 2; ++w) {
-    setup s;
-    setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, widths[w], 67, 35);
-    setup_cache_rows(&s, 3, 9);
-    check_size(HBIL_REPROJECTION_CAMERA, widths[w], 67, 35,
-               s.config.execution.horizon_cache_bytes);
-    setup_free(&s);
-  }
+    check_size(HBIL_REPROJECTION_MOTION, 0, sizes[i][0], sizes[i][1]);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(vectors_stay_inside),
       cmocka_unit_test(single_pixels_stay_inside),
-      cmocka_unit_test(motion_stays_inside),
-      cmocka_unit_test(caches_of_some_rows_stay_inside)};
+      cmocka_unit_test(motion_stays_inside)};
   return RUN_WITH_DEVICE(tests);
 }

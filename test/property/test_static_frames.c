@@ -1,7 +1,6 @@
 /*
- * Static frames: a caller's statement that nothing has moved saves passes, and
- * lets the gather reuse horizons from its cache, without changing a bit in the
- * first 32 frames.  Later ones come to rest.
+ * Static frames: a caller's statement that nothing has moved saves passes,
+ * without changing a bit in the first 32 frames.  Later ones come to rest.
  */
 #include "test/support/pair.h"
 #include "test/support/random.h"
@@ -22,17 +21,6 @@ static void ao_alone(setup *s, hbil_mode mode) {
 
 static void gtao(setup *s) {
   ao_alone(s, HBIL_MODE_GTAO);
-}
-
-static void picture_alone(setup *s) {
-  pair_wall(s);
-  for (int i = PLANE_FIRST_OUTPUT; i < PLANE_COUNT; ++i)
-    if (i != PLANE_BEAUTY)
-      plane_format(&s->config, (plane_id)i)->component = HBIL_NONE;
-  s->config.inputs.f0.component = HBIL_FLOAT32;
-  /* AO must show: metal alone sends no light to others */
-  s->config.model.far_field = HBIL_FAR_CONSTANT;
-  s->frame.environment[0][0] = 1.0f;
 }
 
 static void room_with_history(setup *s) {
@@ -72,10 +60,6 @@ static int static_frames(prepare_function *prepare, int frames) {
       assert_int_equal(found.not_run[HBIL_PASS_GATHER],
                        found.not_run[HBIL_PASS_RECOMPOSE]);
     }
-    /* the first static frame fills the cache */
-    assert_int_equal(found.from_cache.spans > 0,
-                     told.config.execution.horizon_cache_bytes && i >= 3 &&
-                         !found.not_run[HBIL_PASS_GATHER]);
     if (!settled && found.not_run[HBIL_PASS_GATHER])
       settled = i - 1;
   }
@@ -182,111 +166,7 @@ static void light_settles(void **state) {
   settles(room_of_floats, 10.0f, 1, 2e-5);
 }
 
-static void cache_all(setup *s) {
-  room_with_history(s);
-  s->config.execution.horizon_cache_bytes = SIZE_MAX;
-}
-
-static void cache_by_pixels(setup *s) {
-  cache_all(s);
-  s->config.execution.vector_width = 1;
-}
-
-static void cache_of_all_light(setup *s) {
-  cache_all(s);
-  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = -1.0f;
-  s->config.model.extrapolate = CL_FALSE;
-  s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
-}
-
-static void cache_of_black(setup *s) {
-  cache_all(s);
-  s->config.model.back_facing_fallback = HBIL_FALLBACK_BLACK;
-  s->config.model.relative_thickness = 0.1f;
-  s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
-}
-
-static void cache_of_frame(setup *s) {
-  cache_all(s);
-  s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
-  s->config.model.radius = 2.0f;
-}
-
-static void cache_of_radiance(setup *s) {
-  carried_radiance(s);
-  s->config.execution.horizon_cache_bytes = SIZE_MAX;
-}
-
-static void cache_of_a_step(setup *s) {
-  cache_all(s);
-  s->config.model.facing_fade[0] = s->config.model.facing_fade[1] = 0.0f;
-}
-
-static void cache_of_parallel_rays(setup *s) {
-  cache_all(s);
-  setup_flatten(s, FLAT_WIDTH);
-}
-
-/* Surfaces that show no irradiance have no horizons in the cache. */
-static void cache_of_a_picture(setup *s) {
-  picture_alone(s);
-  s->config.history.reprojection = HBIL_REPROJECTION_CAMERA;
-  s->config.model.feedback = HBIL_FEEDBACK_RADIANCE;
-  s->config.execution.horizon_cache_bytes = SIZE_MAX;
-}
-
-/* Two thirds of the picture: 12 of the 18 rows of a layer. */
-static void cache_of_some_rows(setup *s) {
-  cache_all(s);
-  s->config.sampling.steps_per_side = 3;
-  setup_cache_rows(s, 12, 18);
-}
-
-static void cache_of_some_pixels(setup *s) {
-  cache_by_pixels(s);
-  setup_cache_rows(s, 12, 18);
-}
-
-static void cache_at_half_resolution(setup *s) {
-  cache_all(s);
-  s->config.sampling.resolution = HBIL_RESOLUTION_HALF;
-  s->config.model.relative_thickness = 0.1f;
-  setup_cache_rows(s, 12, 18);
-}
-
-static void cache_of_every_second_pixel(setup *s) {
-  cache_by_pixels(s);
-  s->config.sampling.resolution = HBIL_RESOLUTION_HALF;
-}
-
-/* Light goes on spreading through cached horizons. */
-static void cached_horizons_give_the_same_light(void **state) {
-  static prepare_function *const caches[] = {cache_all,
-                                             cache_by_pixels,
-                                             cache_of_all_light,
-                                             cache_of_black,
-                                             cache_of_frame,
-                                             cache_of_a_step,
-                                             cache_of_parallel_rays,
-                                             cache_of_radiance,
-                                             cache_of_a_picture,
-                                             cache_of_some_rows,
-                                             cache_of_some_pixels,
-                                             cache_at_half_resolution,
-                                             cache_of_every_second_pixel};
-  (void)state;
-  for (size_t k = 0; k < sizeof caches / sizeof *caches; ++k)
-    assert_int_equal(static_frames(caches[k], 6), 0);
-  assert_in_range(static_frames(cache_all, 40), 2, 39);
-}
-
-static void cache_near(setup *s) {
-  cache_all(s);
-  s->config.model.far_field = HBIL_FAR_NONE;
-  s->config.model.radius = 0.25f;
-}
-
-/* A stripe of light, which spreads by the radius in each frame. */
+/* A stripe of light. */
 static void light_in_a_stripe(setup *s) {
   setup_load_scene(s, SCENE_ROOM, 0);
   for (int c = 0; c < 3; ++c) {
@@ -297,40 +177,12 @@ static void light_in_a_stripe(setup *s) {
   }
 }
 
-/* Number of pixels that receive no light. */
-static size_t count_unlit(setup *s) {
-  size_t unlit = 0;
-  exact_planes out = outputs_read(s);
-  for (size_t i = 0; i < WIDTH * HEIGHT; ++i)
-    unlit +=
-        out.values[(size_t)EXACT_NEAR_IRRADIANCE * WIDTH * HEIGHT + i] == 0.0;
-  exact_planes_free(&out);
-  return unlit;
-}
-
-static void unlit_spans_are_cached(void **state) {
-  size_t unlit = 0;
-  pair p;
-  (void)state;
-  pair_start(&p, cache_near, HBIL_SKIP_STATIC);
-  for (int i = 0; i < 8; ++i) {
-    light_in_a_stripe(&p.with);
-    p.without.frame.camera = p.with.frame.camera;
-    p.with.frame.static_frame = i > 0;
-    assert_int_equal(pair_compare(&p).from_cache.spans > 0, i > 1);
-    if (i == 1) /* the frame that fills the cache */
-      unlit = count_unlit(&p.with);
-  }
-  assert_in_range(count_unlit(&p.with), 1, unlit - 100);
-  pair_free(&p);
-}
-
 /* A lamp is switched on although the caller says that nothing changes.  The
- * cache is used, and the light is right nevertheless. */
+ * light is right nevertheless. */
 static void light_may_arrive_late(void **state) {
   pair p;
   (void)state;
-  pair_start(&p, cache_all, HBIL_SKIP_STATIC);
+  pair_start(&p, room_with_history, HBIL_SKIP_STATIC);
   for (int i = 0; i < 4; ++i) {
     light_in_a_stripe(&p.with);
     p.without.frame.camera = p.with.frame.camera;
@@ -338,8 +190,7 @@ static void light_may_arrive_late(void **state) {
       setup_fill(&p.with, EXACT_DIRECT + c, 0.0f);
     p.with.frame.static_frame = i > 0;
     const hbil_statistics found = pair_compare(&p);
-    assert_int_equal(found.from_cache.spans > 0, i > 1);
-    assert_int_equal(found.not_run[HBIL_PASS_GATHER], CL_FALSE);
+    assert_int_equal(found.not_run[HBIL_PASS_GATHER], i == 1);
   }
   pair_free(&p);
 }
@@ -375,8 +226,6 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(static_frames_are_the_same),
       cmocka_unit_test(light_settles),
-      cmocka_unit_test(cached_horizons_give_the_same_light),
-      cmocka_unit_test(unlit_spans_are_cached),
       cmocka_unit_test(light_may_arrive_late),
       cmocka_unit_test(static_frames_are_checked),
   };

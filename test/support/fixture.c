@@ -44,7 +44,6 @@ static void use_plain_model(hbil_config *c) {
   c->history.disocclusion_threshold = 0.05f;
   c->model.far_field = HBIL_FAR_NONE;
   c->sampling.slice_frames = 1;
-  c->execution.horizon_cache_bytes = 0;
   c->execution.skip = HBIL_SKIP_ALL;
 }
 
@@ -116,16 +115,6 @@ size_t setup_memory(const setup *s) {
   hbil_memory memory;
   assert_success(s, hbil_plan_memory(s->device->hbil, &s->config, &memory));
   return memory.persistent + memory.scratch;
-}
-
-void setup_cache_rows(setup *s, size_t rows, size_t of) {
-  s->config.execution.horizon_cache_bytes = 0;
-  const size_t without = setup_memory(s);
-  s->config.execution.horizon_cache_bytes = SIZE_MAX;
-  const size_t with = setup_memory(s);
-  /* one byte less than one more row would take */
-  s->config.execution.horizon_cache_bytes =
-      (with - without) / of * (rows + 1) - 1;
 }
 
 /* ------------------------------------------------------------------------ */

@@ -52,15 +52,12 @@ void setup_scene(setup *s, scene_kind kind, int width, int height,
  * outputs, unseen light estimated.  vector_width 0: the device's own. */
 void setup_every_pass(setup *s, hbil_reprojection reprojection,
                       cl_uint vector_width, int width, int height);
-/* All outputs, as planes of floats, but for glossy, which static frames have no
- * horizon cache with. */
+/* All outputs, as planes of floats, but for glossy. */
 void setup_all_outputs(setup *s);
 /* No output at all. */
 void setup_no_outputs(setup *s);
 /* A mode, without the outputs that it doesn't have. */
 void setup_mode(setup *s, hbil_mode mode);
-/* Limits the horizon cache to `rows` rows of a layer that has `of` rows. */
-void setup_cache_rows(setup *s, size_t rows, size_t of);
 
 /* --- inputs and camera --- */
 

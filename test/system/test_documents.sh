@@ -195,7 +195,7 @@ complete() {
 # Options that stand alone, each with its value, become one command, whose last
 # ones overrule the others; the words of those with a choice were looked up above.
 options=$(grep -e '^--[a-z-]*[ =][^ ]' -e '^--timings$' "$work/code" | small |
-  grep -v -e '|\|\.\.\.\|--map\|^--quality reference\|^--horizon-cache' \
+  grep -v -e '|\|\.\.\.\|--map\|^--quality reference' \
     -e '^--device' -e '^--eye' -e '^--view-layer' -e '^--cache-load' -e '^--cache-fixed' \
     -e '^--cuts' -e '^--slice-frames' \
     -e '[ =][A-Z][A-Z,]*$' |
@@ -207,7 +207,7 @@ test -n "$options"
 ok $? "there are options that stand alone"
 {
   grep -E '^([A-Z_]*=[^ ]* )?(build/)?hbil [a-z]' "$work/code" | small
-  grep -e '^--quality reference\|^--horizon-cache [^ ]' "$work/code" |
+  grep -e '^--quality reference' "$work/code" |
     sed 's/^/hbil process /' | small
   grep -e '^--heatmap\|^--max-rmse' "$work/code" | sed 's/^/hbil compare /' | small
   echo "hbil process $options --model default"

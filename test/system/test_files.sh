@@ -265,13 +265,9 @@ for value in slices=99999999999999999999 slices=18446744073709551617 slices=-1 \
   slices=1e3 slices=nan slices= steps-per-side=0x10 repeat=1.5 \
   warm-up=99999999999999999999 radius=nan radius=1e400 radius=-1e400 radius= \
   radius=x thickness=1,2 relative-thickness=nan step-growth=1e39 \
-  horizon-cache=-1 horizon-cache=1e3 disocclusion-threshold=nan facing-fade= \
+  disocclusion-threshold=nan facing-fade= \
   facing-fade=nan,nan facing-fade=1e400,0 facing-fade=0.1 facing-fade=0,0,0; do
   rejected "--$value" "^hbil: --${value%%=*} " process -o "$out" "--$value" "$one"
-done
-for none in '--mode gtao' '--reprojection none' --no-skip; do
-  rejected "the horizon cache of no use with $none" "horizon-cache: not with $none" \
-    process -o "$out" --horizon-cache 9 $none "$one"
 done
 rejected "an empty word" '^hbil: --mode ' process -o "$out" --mode '' "$one"
 rejected "an empty list" '^hbil: --layers ' process -o "$out" --layers '' "$one"

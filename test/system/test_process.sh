@@ -1,6 +1,6 @@
 #!/bin/sh
 # `hbil process` on a device, from the outside: layers, timings, histories, the
-# horizon cache, modes, presets and the paper's model do what the help says.
+# modes, presets and the paper's model do what the help says.
 . "$srcdir/test/support/tap.sh"
 
 # Frames are lit as if they were alone: test_world.sh is about the radiance cache.
@@ -196,28 +196,6 @@ done
 works "a static frame is the same by the camera and by motion" \
   compare --max-rmse 1e-3 "$work/camera/frame_0001.exr:near_irradiance" \
   "$work/motion/frame_0001.exr"
-
-# --- the horizon cache ---
-
-# A frame's warm-up is three more runs.
-cached='horizon cache'
-# shellcheck disable=SC2086
-says "eight runs of a frame use the horizon cache" "from the $cached 9[0-9.]* %" \
-  process $fast --repeat 5 --timings -o "$work/cached" "$one"
-# shellcheck disable=SC2086
-run process $fast --repeat 4 --timings -o "$work/t" "$one"
-test $status -eq 0 && ! grep -q "$cached" "$work/out"
-ok $? "fewer runs don't"
-# shellcheck disable=SC2086
-run sh -c 'ulimit -v 4000000 && exec "$@"' sh "$HBIL" process $fast --repeat 5 \
-  --timings --overwrite -o "$work/t" "$one"
-test $status -eq 0 && ! grep -q "$cached" "$work/out"
-ok $? "nor do runs whose memory is limited"
-# shellcheck disable=SC2086
-run process $fast --repeat 5 --horizon-cache 0 --timings -o "$work/uncached" "$one"
-test $status -eq 0 && ! grep -q "$cached" "$work/out" &&
-  cmp "$work/cached/frame_0001.exr" "$work/uncached/frame_0001.exr"
-ok $? "without memory there is no cache, which changes no bit"
 
 # --- frames that don't change ---
 

@@ -51,7 +51,6 @@ retired 'invariances' 'relatives'
 retired 'plane addressing' 'places\.clh|hbil_places|place_of'
 retired 'rejected; back-facing fallback' 'refus(e|es|ed|ing)'
 retired 'sample grid' 'lattices?' 'Fibonacci lattice'
-retired 'horizon cache' 'form.factors?' "radiosity's form factors"
 retired 'static frame' 'still frames?'
 retired 'exact integral, path-traced truth' \
   'the reference|references?.?s? (integral|image|result|renderer)|ref_[a-z0-9_]+' \

@@ -46,12 +46,11 @@ static void check(setup *s) {
   setup_free(s);
 }
 
-static void camera_with_a_cache_of_some_rows(void **state) {
+static void vectors_by_the_camera(void **state) {
   setup s;
   (void)state;
   skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 40, 24);
-  setup_cache_rows(&s, 3, 6);
   check(&s);
 }
 
@@ -83,12 +82,11 @@ static void passes_share_what_they_do_not_read(void **state) {
 }
 
 /* The kernels of GPUs, in a picture of more columns than one work-group. */
-static void vectors_of_one_with_a_whole_cache(void **state) {
+static void vectors_of_one(void **state) {
   setup s;
   (void)state;
   skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, 70, 11);
-  s.config.execution.horizon_cache_bytes = SIZE_MAX;
   s.config.execution.skip &= ~(cl_uint)HBIL_SKIP_HOLES;
   check(&s);
 }
@@ -129,10 +127,10 @@ static void caches_and_their_frames(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(camera_with_a_cache_of_some_rows),
+      cmocka_unit_test(vectors_by_the_camera),
       cmocka_unit_test(motion_with_shared_slices),
       cmocka_unit_test(passes_share_what_they_do_not_read),
-      cmocka_unit_test(vectors_of_one_with_a_whole_cache),
+      cmocka_unit_test(vectors_of_one),
       cmocka_unit_test(caches_and_their_frames)};
   folder_make(cache);
   setenv("POCL_CACHE_DIR", cache, 1);

@@ -82,28 +82,22 @@ static const member members[] = {
     MEMBER(execution.skip),
     MEMBER(execution.vector_width),
     MEMBER(execution.profiling),
-    MEMBER(execution.horizon_cache_bytes),
 };
 enum { MEMBERS = sizeof members / sizeof *members };
 
 /* A member that was added to the header must be added here, too: all lie side
- * by side, but for the padding in front of the group that has a size_t, and of
- * that. */
+ * by side, and the struct ends behind the last one but for its padding. */
 static void all_members_are_compared(void **state) {
   (void)state;
   size_t end = 0;
   for (int i = 0; i < MEMBERS; ++i) {
     const size_t at = members[i].offset;
-    const size_t padding =
-        at == offsetof(hbil_config, execution) ||
-                at == offsetof(hbil_config, execution.horizon_cache_bytes)
-            ? sizeof(size_t)
-            : 1;
-    if (at - end >= padding)
+    if (at != end)
       fail_msg("there is a member before %s", members[i].name);
     end = at + members[i].size;
   }
-  assert_int_equal(end, sizeof(hbil_config));
+  assert_in_range(end, sizeof(hbil_config) - sizeof(size_t) + 1,
+                  sizeof(hbil_config));
 }
 
 static void compare(const hbil_config *got) {

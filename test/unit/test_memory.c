@@ -43,12 +43,7 @@ VARIANT(one_unfiltered_sample,
         (c->sampling.slices = c->sampling.steps_per_side = 1,
          c->sampling.unfiltered = CL_TRUE,
          c->sampling.sample_grid = HBIL_GRID_SAME_LAYER))
-VARIANT(whole_horizon_cache, (c->execution.horizon_cache_bytes = SIZE_MAX,
-                              c->sampling.steps_per_side = 3))
-VARIANT(small_horizon_cache, (c->execution.horizon_cache_bytes = 1 << 16,
-                              c->sampling.steps_per_side = 1))
 VARIANT(half_resolution, (c->sampling.resolution = HBIL_RESOLUTION_HALF,
-                          c->execution.horizon_cache_bytes = SIZE_MAX,
                           c->sampling.steps_per_side = 3))
 VARIANT(half_resolution_in_ones, (c->sampling.resolution = HBIL_RESOLUTION_HALF,
                                   c->execution.vector_width = 1))
@@ -75,8 +70,6 @@ static const variant variants[] = {
     {"world cache", world_cache},
     {"many samples", many_samples},
     {"one unfiltered sample", one_unfiltered_sample},
-    {"horizon cache", whole_horizon_cache},
-    {"horizon cache of some rows", small_horizon_cache},
     {"half resolution", half_resolution},
     {"half resolution, vectors of one", half_resolution_in_ones},
     {"thick, vectors of one, profiling", thick_in_ones},
