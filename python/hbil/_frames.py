@@ -461,7 +461,9 @@ class Sequence:
         if not isinstance(cache, (bool, Mapping)):
             raise TypeError(f"cache: {type(cache).__name__}; True, False or a "
                             "dict is needed")
-        self._wanted, self._learn = cache, learn
+        # a file of numpy.load() may be closed before the first frame
+        self._wanted = cache if isinstance(cache, bool) else dict(cache)
+        self._learn = learn
         self._views = _views_of("views", views)
         self._light_views = _views_of("light_views", light_views)
         self._plan: Optional[_Plan] = None  # of the last frame
@@ -510,6 +512,13 @@ class Sequence:
                          pictures: List[Tuple[Any, Any, Any]]) -> Any:
         wanted = {} if self._wanted is True else dict(self._wanted)
         self._saved = wanted.pop("bytes", None)
+        if self._saved is not None:
+            try:
+                self._saved = np.frombuffer(self._saved, np.uint8)
+            except (TypeError, ValueError, BufferError):
+                raise TypeError(
+                    f"cache bytes: {type(self._saved).__name__}; those that "
+                    "save_cache() has returned are needed") from None
         cache = ffi.new("hbil_cache_config *")
         lib.hbil_cache_config_init_sized(cache, ffi.sizeof("hbil_cache_config"))
         known = [name for name, field in ffi.typeof("hbil_cache_config").fields
@@ -683,18 +692,19 @@ class Sequence:
                     self._queue)
 
     def save_cache(self) -> Dict[str, Any]:
-        """All that the cache knows; the argument `cache` of a Sequence."""
+        """All that the cache knows, as a dict of numbers and an array, which
+        pickle and numpy.savez(path, **saved) store; the argument `cache` of a
+        Sequence, as numpy.load(path) is, too."""
         self._need_cache()
         with self._device.lock:
-            size = lib.hbil_cache_size(self._cache)
-            data = bytearray(size)
+            data = np.empty(lib.hbil_cache_size(self._cache), np.uint8)
             self._device.check(lib.hbil_cache_save(
                 self._cache, self._queue,
-                ffi.from_buffer(data, require_writable=True), size))
+                ffi.from_buffer(data, require_writable=True), len(data)))
         config = self._cache_config
         return {"voxels": config.voxels, "levels": config.levels,
                 "voxel_size": config.voxel_size,
-                "centre": tuple(config.centre), "bytes": bytes(data)}
+                "centre": tuple(config.centre), "bytes": data}
 
     # --- frames ---
 

@@ -1,4 +1,6 @@
 """Frames in order, with and without a radiance cache."""
+import pickle
+
 import numpy as np
 import pytest
 
@@ -70,14 +72,21 @@ def test_the_size_of_the_cache_is_that_of_the_room(room):
     assert saved["centre"] == (0, 0, 0)
 
 
-def test_what_is_saved_is_what_is_loaded(room):
+def test_what_is_saved_is_what_is_loaded(room, tmp_path):
     depth, normal, albedo, direct, camera = room
     view = hbil.View(depth, normal, albedo, direct, camera)
     first = hbil.Sequence(cache=SMALL, views=[view], learn=False)
     wanted = first.process(*room)
     saved = first.save_cache()
     assert saved["voxels"] == 16 and len(saved["bytes"]) > 1000
-    same(hbil.Sequence(cache=saved, learn=False).process(*room), wanted)
+    with (tmp_path / "cache.npz").open("w+b") as file:
+        np.savez(file, **saved)
+        file.seek(0)
+        with np.load(file) as stored:
+            from_file = hbil.Sequence(cache=stored, learn=False)
+    same(from_file.process(*room), wanted)
+    for cache in saved, pickle.loads(pickle.dumps(saved)):
+        same(hbil.Sequence(cache=cache, learn=False).process(*room), wanted)
     with pytest.raises(hbil.Error):
         hbil.Sequence(cache={**saved, "voxel_size": 0.4}).process(*room)
 
@@ -213,6 +222,7 @@ def test_messages_name_the_argument(room):
     for cache, kind, message in (
             ({"size": 1}, ValueError, "^cache: 'size'; of"),
             ({"voxels": "many"}, TypeError, "^cache voxels: 'many'"),
+            ({"bytes": 3}, TypeError, "^cache bytes: int; those that"),
             ({"voxel_size": -1}, hbil.Error, "voxel_size")):
         with pytest.raises(kind, match=message):
             hbil.Sequence(cache=cache).process(*room)
