@@ -1,16 +1,18 @@
 """Frames: a single one, and sequences with a radiance cache."""
 from __future__ import annotations
 
+import functools
+import threading
 from dataclasses import dataclass
-from typing import (Any, Dict, Iterable, List, Mapping, Optional, Sequence as
-                    Items, Tuple, Union)
+from typing import (Any, Callable, Dict, Iterable, List, Mapping, Optional,
+                    Sequence as Items, Tuple, TypeVar, Union, cast)
 
 import numpy as np
 
 from . import _extent
 from ._arrays import (COLOURS, INPUTS, LAYERS, Plane, convert, host_plane, input_plane,
                       is_on_device, values)
-from ._library import check, cl, check_opencl, ffi, lib, owned
+from ._library import check, cl, check_opencl, ffi, lib
 from ._opencl import (Device, device_of_queue, enqueue, enqueue_for_event,
                       check_device, check_queue, handle, open_device, read,
                       write)
@@ -213,7 +215,7 @@ class _Plan:
                        if getattr(config.outputs, name).component]
         out = ffi.new("hbil_plan **")
         device.check(lib.hbil_plan_create(device.context, config, out))
-        self.plan = owned(out[0], lib.hbil_plan_destroy)
+        self.plan = device.owned(out[0], lib.hbil_plan_destroy)
         self.buffers: Dict[str, Any] = {}
         self.index = 0
         self.last: Optional[Any] = None  # the event of the last frame
@@ -403,7 +405,8 @@ def process(depth: Array, normal: Optional[Array], albedo: Optional[Array],
     width, channels): near_irradiance, far_irradiance (W/m2), indirect, beauty
     (W/(m2 sr)), ao (0 closed .. 1 open), bent_normal (in the space of the
     normals), cone_cosine.  The first call for a size and options builds
-    kernels, which takes seconds.
+    kernels, which takes seconds.  Any thread may call it; calls for one device
+    wait for each other.
     """
     settings = _Settings(options, layers, dtype, device, queue, environment,
                          sky_share, srgb, warm_up)
@@ -429,6 +432,18 @@ def process(depth: Array, normal: Optional[Array], albedo: Optional[Array],
     return results
 
 
+_Method = TypeVar("_Method", bound=Callable[..., Any])
+
+
+def _alone(method: _Method) -> _Method:
+    """A method of a Sequence for which those that other threads call wait."""
+    @functools.wraps(method)
+    def call(self: Any, *arguments: Any, **named: Any) -> Any:
+        with self._lock:
+            return method(self, *arguments, **named)
+    return cast(_Method, call)
+
+
 class Sequence:
     """Frames of a sequence, in order: light bounces once more in each, and a
     radiance cache knows what earlier frames and views have shown.
@@ -446,7 +461,9 @@ class Sequence:
     learn    False: frames don't change the cache
 
     All else is as in process(); the first frame decides what is left open.
-    Kernels are built at the first frame.
+    Kernels are built at the first frame.  Any thread may call the methods: a
+    call waits for those of other threads, close() for their frame, too.  But
+    whoever lights frames in several threads must see to their order.
     """
 
     def __init__(self, *, cache: Union[bool, Mapping[str, Any]] = True,
@@ -456,6 +473,7 @@ class Sequence:
                  sky_share: Optional[float] = None, srgb: Items[str] = (),
                  warm_up: int = 3, device: Union[None, int, str] = None,
                  queue: Any = None, **options: Any) -> None:
+        self._lock = threading.RLock()
         self._settings = _Settings(options, layers, dtype, device, queue,
                                    environment, sky_share, srgb, warm_up)
         if not isinstance(cache, (bool, Mapping)):
@@ -477,6 +495,7 @@ class Sequence:
     def __exit__(self, *_: Any) -> None:
         self.close()
 
+    @_alone
     def close(self) -> None:
         """Releases device memory; the next frame is then a first one."""
         self._plan = self._other = self._cache = self._first = None
@@ -554,7 +573,7 @@ class Sequence:
         out = ffi.new("hbil_cache **")
         self._device.check(lib.hbil_cache_create(self._device.context, config,
                                                  out))
-        self._cache = owned(out[0], lib.hbil_cache_destroy)
+        self._cache = self._device.owned(out[0], lib.hbil_cache_destroy)
         self._cache_config = config
         if self._saved is not None:
             self._device.check(lib.hbil_cache_load(
@@ -642,6 +661,7 @@ class Sequence:
             raise ValueError("there is no radiance cache (yet: the first frame "
                              "makes it)")
 
+    @_alone
     def add_views(self, views: Iterable[View]) -> None:
         """Shows the cache more views; before the first frame, too."""
         views = _views_of("views", views)
@@ -654,6 +674,7 @@ class Sequence:
             self._see_views(views)
         self._views += views
 
+    @_alone
     def move_cache(self, centre: Items[float]) -> None:
         """Moves the cache's middle; what stays inside stays known."""
         self._need_cache()
@@ -662,6 +683,7 @@ class Sequence:
                     self._queue, ffi.new("double[3]",
                                          numbers_of("centre", centre, 3)))
 
+    @_alone
     def forget_in_cache(self, *, surfaces: float = 0.0, light: float = 0.0,
                         low: Optional[Items[float]] = None,
                         high: Optional[Items[float]] = None) -> None:
@@ -684,6 +706,7 @@ class Sequence:
             if not self._learn:  # else the next frame's view is followed by one
                 self._update()
 
+    @_alone
     def reset_cache(self) -> None:
         """Forgets everything that the cache has seen."""
         self._need_cache()
@@ -691,6 +714,7 @@ class Sequence:
             enqueue(self._device, lib.hbil_enqueue_cache_reset, self._cache,
                     self._queue)
 
+    @_alone
     def save_cache(self) -> Dict[str, Any]:
         """All that the cache knows, as a dict of numbers and an array, which
         pickle and numpy.savez(path, **saved) store; the argument `cache` of a
@@ -708,6 +732,7 @@ class Sequence:
 
     # --- frames ---
 
+    @_alone
     def process(self, depth: Array, normal: Optional[Array],
                 albedo: Optional[Array], direct: Optional[Array],
                 camera: Camera, *, f0: Optional[Array] = None,
@@ -788,11 +813,13 @@ class Sequence:
             else:
                 planes[name] = convert(name, planes[name], like, name)
 
+    @_alone
     def reset(self) -> None:
         """Forgets the history: the next frame is as at a cut.  The radiance
         cache stays."""
         if self._plan is not None:
-            lib.hbil_plan_reset(self._plan.plan)
+            with self._device.lock:
+                lib.hbil_plan_reset(self._plan.plan)
 
     def sanitized(self) -> Dict[str, int]:
         """How many pixels of each input of the last frame were unusable
@@ -802,6 +829,7 @@ class Sequence:
         return {name: getattr(found, name)
                 for name, _ in ffi.typeof("hbil_sanitized").fields}
 
+    @_alone
     def timings(self) -> Dict[str, float]:
         """Milliseconds of each pass of the last frame; with profiling=True."""
         if self._plan is None:
@@ -812,6 +840,7 @@ class Sequence:
         return {ffi.string(lib.hbil_pass_name(index)).decode(): found[index]
                 for index in range(lib.HBIL_PASS_COUNT)}
 
+    @_alone
     def _ask(self, function: Any, out: Any) -> None:
         if self._plan is None:
             raise ValueError("there was no frame yet")

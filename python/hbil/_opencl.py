@@ -3,9 +3,10 @@ from __future__ import annotations
 
 import operator
 import os
+import sys
 import threading
 from collections import OrderedDict
-from typing import Any, Iterable, List, Union
+from typing import Any, Callable, Iterable, List, Union
 
 import numpy as np
 
@@ -119,6 +120,17 @@ class Device:
 
     def check(self, status: int) -> None:
         check(status, self.context)
+
+    def owned(self, made: Any, release: Callable[[Any], Any]) -> Any:
+        """owned(), for what one thread at a time may use: any may let it go."""
+        def let_go(gone: Any) -> None:
+            # at the program's end, a thread that has ended may hold the lock
+            if self.lock.acquire(blocking=not sys.is_finalizing()):
+                try:
+                    release(gone)
+                finally:
+                    self.lock.release()
+        return owned(made, let_go)
 
     def queue(self, profiling: bool = False) -> Any:
         """A queue of this package, in order."""

@@ -1,5 +1,7 @@
 """Frames in order, with and without a radiance cache."""
 import pickle
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -118,6 +120,16 @@ def test_close_leaves_all_views(room):
     sequence.close()
     both = hbil.Sequence(cache=SMALL, views=[one, other], learn=False)
     same(sequence.process(*room), both.process(*room))
+
+
+def test_close_waits_for_the_frame_of_another_thread(room):
+    sequence = hbil.Sequence(cache=SMALL)
+    with ThreadPoolExecutor() as pool:
+        frames = [pool.submit(sequence.process, *room) for _ in range(20)]
+        while not all(frame.done() for frame in frames):
+            sequence.close()
+            time.sleep(0.003)
+    assert all(np.isfinite(frame.result()["beauty"]).all() for frame in frames)
 
 
 def test_a_failed_first_frame_is_none(room):
