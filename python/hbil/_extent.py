@@ -17,22 +17,17 @@ _MOST_SURFACES = 0.995
 Picture = Tuple[Mapping[str, Plane], Any, Any]  # planes, frame, configuration
 
 
-def _depths(plane: Plane, step: int) -> np.ndarray:
-    if plane.on_device:
-        return plane.array.get()[step // 2::step, step // 2::step]
-    return values("depth", plane._replace(
-        array=plane.array[step // 2::step, step // 2::step]))
-
-
-def _distances(picture: Picture, centre: np.ndarray) -> np.ndarray:
-    """The largest coordinate of each surface from the centre, world units."""
+def view_points(picture: Picture, rows: np.ndarray,
+                columns: np.ndarray) -> np.ndarray:
+    """The points of some pixels in view space, by x, y and z; NaN where there is
+    no surface."""
     planes, frame, config = picture
-    inputs, camera = config.inputs, frame.camera
-    step = max(1, int(np.sqrt(config.width * config.height / _LOOKS)))
-    stored = np.array(_depths(planes["depth"], step), np.float64).reshape(
-        len(range(step // 2, config.height, step)), -1)
-    y, x = np.mgrid[step // 2:config.height:step, step // 2:config.width:step]
-    u, v = (x + 0.5 - camera.cx) / camera.fx, (y + 0.5 - camera.cy) / camera.fy
+    inputs, camera, plane = config.inputs, frame.camera, planes["depth"]
+    array = plane.array.get() if plane.on_device else plane.array
+    stored = values("depth", plane._replace(array=array.reshape(
+        array.shape[:2])[rows[:, None], columns])).astype(np.float64)
+    u = (columns + 0.5 - camera.cx) / camera.fx
+    v = (rows[:, None] + 0.5 - camera.cy) / camera.fy
     orthographic = inputs.projection == lib.HBIL_PROJECTION_ORTHOGRAPHIC
     with np.errstate(all="ignore"):
         depth = stored * inputs.depth_scale
@@ -43,8 +38,19 @@ def _distances(picture: Picture, centre: np.ndarray) -> np.ndarray:
             & (depth < 1e15)
         if inputs.depth_kind == lib.HBIL_DEPTH_RAY and not orthographic:
             depth = depth / np.sqrt(u * u + v * v + 1)
-        scale = np.ones_like(depth) if orthographic else depth
-        points = np.stack([u * scale, v * scale, depth])[:, shown]
+    depth = np.where(shown, depth, np.nan)
+    scale = np.where(shown, 1, np.nan) if orthographic else depth
+    return np.stack([u * scale, v * scale, depth])
+
+
+def _distances(picture: Picture, centre: np.ndarray) -> np.ndarray:
+    """The largest coordinate of each surface from the centre, world units."""
+    _, frame, config = picture
+    step = max(1, int(np.sqrt(config.width * config.height / _LOOKS)))
+    points = view_points(picture, np.arange(step // 2, config.height, step),
+                         np.arange(step // 2, config.width, step))
+    points = points[:, np.isfinite(points[2])]
+    camera = frame.camera
     world = np.reshape(list(camera.world_from_view), (4, 4))
     placed = world[:3, :3] @ points + (world[:3, 3] - centre)[:, None]
     return np.abs(placed).max(axis=0, initial=0)

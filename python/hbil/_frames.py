@@ -3,13 +3,14 @@ from __future__ import annotations
 
 import functools
 import threading
+import warnings
 from dataclasses import dataclass
 from typing import (Any, Callable, Dict, Iterable, List, Mapping, Optional,
                     Sequence as Items, Tuple, TypeVar, Union, cast)
 
 import numpy as np
 
-from . import _extent
+from . import _checks, _extent
 from ._arrays import (COLOURS, INPUTS, LAYERS, Plane, convert, host_plane, input_plane,
                       is_on_device, values)
 from ._library import check, cl, check_opencl, ffi, lib
@@ -305,6 +306,13 @@ class _Plan:
         self.last = enqueue_for_event(self.device, lib.hbil_enqueue_frame,
                                       self.plan, queue, frame, after=waits)
 
+    def sanitized(self, queue: Any) -> Dict[str, int]:
+        """The members of hbil_sanitized, of the last frame."""
+        found = ffi.new("hbil_sanitized *")
+        self.device.check(lib.hbil_plan_sanitized(self.plan, queue, found))
+        return {name: getattr(found, name)
+                for name, _ in ffi.typeof("hbil_sanitized").fields}
+
     def take(self, frame: Any, queue: Any, results: Mapping[str, Array]) -> None:
         """Reads those results that are numpy's, and tells pyopencl's others
         what to wait for."""
@@ -328,6 +336,12 @@ def _empty(shape: Tuple[int, ...], dtype: np.dtype, queue: Any) -> Array:
         return np.empty(shape, dtype)
     import pyopencl.array
     return pyopencl.array.empty(queue, shape, dtype)
+
+
+def _warn(found: List[str], callers: int) -> None:
+    """One warning for all, to the code that calls the package."""
+    if found:
+        warnings.warn("; ".join(found), stacklevel=callers)
 
 
 def _finish(queue: Any) -> None:
@@ -405,7 +419,9 @@ def process(depth: Array, normal: Optional[Array], albedo: Optional[Array],
     width, channels): near_irradiance, far_irradiance (W/m2), indirect, beauty
     (W/(m2 sr)), ao (0 closed .. 1 open), bent_normal (in the space of the
     normals), cone_cosine.  The first call for a size and options builds
-    kernels, which takes seconds.  Any thread may call it; calls for one device
+    kernels, which takes seconds.  What arrays of numpy show to be wrong is a
+    warning: normals that don't fit the depth, and values that mean nothing, as
+    NaN.  Any thread may call it; calls for one device
     wait for each other.
     """
     settings = _Settings(options, layers, dtype, device, queue, environment,
@@ -417,6 +433,7 @@ def process(depth: Array, normal: Optional[Array], albedo: Optional[Array],
     config = settings.configure(planes, size)
     frame = settings.frame(config, camera)
     settings.decide(planes, config, frame)
+    found = _checks.fit_of_normals((planes, frame, config), camera)
     with on.lock:
         plan = _plan_of(on, config, settings.dtype)
         lib.hbil_plan_reset(plan.plan)
@@ -426,9 +443,12 @@ def process(depth: Array, normal: Optional[Array], albedo: Optional[Array],
                                pyopencl_queue is not None)
             plan.run(frame, cl_queue, waits, 1 + settings.warm_up, False)
             plan.take(frame, cl_queue, results)
+            if pyopencl_queue is None:  # else the device may not be ready yet
+                found += _checks.replaced(plan.sanitized(cl_queue))
         except BaseException:
             _finish(cl_queue)
             raise
+    _warn(found, 3)
     return results
 
 
@@ -460,7 +480,8 @@ class Sequence:
     light_views  views from lights, with cache_method="rsm" (hbil_cache.h)
     learn    False: frames don't change the cache
 
-    All else is as in process(); the first frame decides what is left open.
+    All else is as in process(); the first frame decides what is left open, and
+    it and the views are looked at for warnings: sanitized() tells of others.
     Kernels are built at the first frame.  Any thread may call the methods: a
     call waits for those of other threads, close() for their frame, too.  But
     whoever lights frames in several threads must see to their order.
@@ -512,6 +533,11 @@ class Sequence:
         views = [self._view_picture(view, f"views[{index}] ")
                  for index, view in enumerate(self._views)]
         settings.decide(planes, config, self._first, views)
+        self._found = _checks.fit_of_normals((planes, self._first, config),
+                                             camera)
+        for index, view in enumerate(self._views):
+            self._found += [f"views[{index}] {found}" for found in
+                            _checks.fit_of_normals(views[index], view.camera)]
         self._inputs = dict(planes)
         cache_config = None
         if self._wanted is not False:
@@ -779,11 +805,15 @@ class Sequence:
                 if plan is not self._plan:
                     self._plan, self._other = plan, self._plan
                 plan.take(frame, self._queue, results)
+                if first and self._pyopencl_queue is None:
+                    self._found += _checks.replaced(plan.sanitized(self._queue))
             except BaseException:
                 _finish(self._queue)
                 if first:
                     self.close()
                 raise
+        if first:
+            _warn(self._found, 4)  # the method is wrapped
         return results
 
     def _plan_of_size(self, size: Tuple[int, int]) -> _Plan:
@@ -821,13 +851,14 @@ class Sequence:
             with self._device.lock:
                 lib.hbil_plan_reset(self._plan.plan)
 
+    @_alone
     def sanitized(self) -> Dict[str, int]:
         """How many pixels of each input of the last frame were unusable
         (hbil_sanitized)."""
-        found = ffi.new("hbil_sanitized *")
-        self._ask(lib.hbil_plan_sanitized, found)
-        return {name: getattr(found, name)
-                for name, _ in ffi.typeof("hbil_sanitized").fields}
+        if self._plan is None:
+            raise ValueError("there was no frame yet")
+        with self._device.lock:
+            return self._plan.sanitized(self._queue)
 
     @_alone
     def timings(self) -> Dict[str, float]:
@@ -839,10 +870,3 @@ class Sequence:
             self._device.check(lib.hbil_plan_timings(self._plan.plan, found))
         return {ffi.string(lib.hbil_pass_name(index)).decode(): found[index]
                 for index in range(lib.HBIL_PASS_COUNT)}
-
-    @_alone
-    def _ask(self, function: Any, out: Any) -> None:
-        if self._plan is None:
-            raise ValueError("there was no frame yet")
-        with self._device.lock:
-            self._device.check(function(self._plan.plan, self._queue, out))

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import typing
+import warnings
 
 import numpy as np
 import pytest
@@ -176,6 +177,7 @@ def test_hardware_depth_by_a_projection(room, lit):
     np.testing.assert_allclose(found["ao"], lit["ao"], atol=2e-3)
 
 
+@pytest.mark.filterwarnings("ignore:normal")
 def test_environments(room):
     depth, normal, albedo, _, camera = room
     open_sky = np.full((HEIGHT, WIDTH), 5.0)
@@ -284,6 +286,58 @@ def test_messages_name_the_argument(room, case):
         assert caught.value.status.startswith("HBIL_")
     else:
         assert str(caught.value).startswith(message.split(":")[0])
+
+
+def told(light, *picture, **options):
+    with pytest.warns(UserWarning) as caught:
+        light(*picture, **options)
+    assert len(caught) == 1 and caught[0].filename == __file__
+    return str(caught[0].message)
+
+
+def test_what_cannot_be_meant_is_told_in_one_warning(room):
+    depth, normal, albedo, direct, camera = room
+    u, v = np.meshgrid(*((np.arange(n) + 0.5 - n / 2) / camera["fx"]
+                         for n in (WIDTH, HEIGHT)))
+    ray = depth * np.sqrt(u * u + v * v + 1)
+    turned = np.array([[.36, .48, -.8, 0], [-.8, .6, 0, 0], [.48, .64, .6, 0],
+                       [0, 0, 0, 1]])
+    world = normal @ turned[:3, :3].T
+    placed = {**camera, "view_to_world": turned}
+    up = {**camera, "view_to_world": turned @ np.diag([1, -1, -1, 1])}
+    for depths, normals, eye, options, message in (
+            (depth, normal * (1, -1, -1), camera, {},
+             'normal: doesn\'t fit depth, but would with normal_space="view", '
+             "normal_scale=(1, -1, -1)"),
+            (depth, world, placed, {},
+             'normal_space="world", normal_scale=(1, 1, 1)'),
+            (depth, world, up, {"normal_space": "world"},
+             'normal_space="world", camera opengl=True, normal_scale=(1, 1, 1)'),
+            (depth, normal @ np.array([[.6, .8, 0], [-.8, .6, 0], [0, 0, 1]]),
+             camera, {}, "degrees off on average"),
+            (depth, normal / 2 + 0.5, camera, {}, "normal: stored as (n + 1)"),
+            (ray, normal, camera, {}, 'would with depth_kind="ray"'),
+            (depth, normal, camera, {"depth_kind": "ray"},
+             'would with depth_kind="planar"')):
+        assert message in told(hbil.process, depths, normals, albedo, direct,
+                               eye, **options)
+    broken = [array.copy() for array in room[:4]]
+    for pixels, array in enumerate(broken):
+        array[5, :pixels + 1] = np.nan
+    broken[1][6, 0] = 0
+    sequence = hbil.Sequence(cache=False, views=[hbil.View(
+        depth, -normal, albedo, direct, camera)])
+    message = told(sequence.process, *broken, camera)
+    assert message.startswith("views[0] normal: doesn't fit depth, but")
+    assert message.endswith("replaced: depth 1, normal 2, albedo 2, direct 3")
+    with warnings.catch_warnings():  # nothing more, and nothing of the right ones
+        warnings.simplefilter("error")
+        sequence.process(*broken, camera)
+        for depths, normals, eye, options in (
+                (ray, normal, camera, {"depth_kind": "ray"}),
+                (depth, world, {**up, "opengl": True}, {"normal_space": "world"}),
+                (depth, -2 * normal, camera, {"normal_scale": (-3, -3, -3)})):
+            hbil.process(depths, normals, albedo, direct, eye, **options)
 
 
 def test_hints_can_be_read():

@@ -208,7 +208,8 @@ def test_figures(room):
     depth, normal, albedo, direct, camera = room
     broken = albedo.copy()
     broken[0, :3] = np.nan
-    sequence.process(depth, normal, broken, direct, camera)
+    with pytest.warns(UserWarning, match="replaced: albedo 3$"):
+        sequence.process(depth, normal, broken, direct, camera)
     assert sequence.sanitized()["albedo"] == 3
     assert sequence.timings()["gather"] > 0
 
