@@ -413,12 +413,14 @@ def process(depth: Array, normal: Optional[Array], albedo: Optional[Array],
               which are not copied
     out       arrays for some results, by their names: numpy's or pyopencl's
     options   members of hbil_config (hbil.options() has them, with defaults),
-              with words for enums: quality="fast", radius=2.0, mode="gtao"
+              with words for enums: quality="fast", radius=2.0, mode="gtao";
+              two words are those of hbil process alone: direct_kind="light",
+              for E / pi, and normal_space="camera", for y up and z backward
 
     Returns a dict of arrays by the layers' names, (height, width) or (height,
     width, channels): near_irradiance, far_irradiance (W/m2), indirect, beauty
-    (W/(m2 sr)), ao (0 closed .. 1 open), bent_normal (in the space of the
-    normals), cone_cosine.  The first call for a size and options builds
+    (W/(m2 sr)), ao (0 closed .. 1 open), bent_normal (in the world, if the
+    normals are, else in view space), cone_cosine.  The first call for a size and options builds
     kernels, which takes seconds.  What arrays of numpy show to be wrong is a
     warning: normals that don't fit the depth, and values that mean nothing, as
     NaN.  Any thread may call it; calls for one device

@@ -38,6 +38,11 @@ NAMED = {"model": ("hbil_model_name", lib.hbil_model_set),
          "quality": ("hbil_quality", lib.hbil_sampling_set)}
 
 
+# Words of `hbil process` for another one with factors, see apply()
+_TOOL_WORDS = {("normal_space", "camera"): "view",
+               ("direct_kind", "light"): "irradiance"}
+
+
 def options() -> Dict[str, Any]:
     """All options of process() and Sequence, with their defaults.
 
@@ -64,10 +69,13 @@ def new_config() -> Any:
 
 
 def choice(name: str, value: Any, enumeration: str) -> int:
-    """A word of an enum as its value."""
+    """A word of an enum as its value; those of options of `hbil process` have -
+    in place of _."""
     known = words(enumeration)
-    if value in known:
-        return known[value]
+    if isinstance(value, str):
+        word = _TOOL_WORDS.get((name, value), value.replace("-", "_"))
+        if word in known:
+            return known[word]
     raise ValueError(f"{name}: {value!r}; one of "
                      f"{', '.join(known)} is needed")
 
@@ -134,6 +142,11 @@ def apply(config: Any, given: Mapping[str, Any]) -> None:
         if name in MEMBERS:
             group, kind = MEMBERS[name]
             setattr(getattr(config, group), name, converted(name, value, kind))
+    if given.get("normal_space") == "camera":  # y up, z backward
+        for axis in 1, 2:
+            config.inputs.normal_scale[axis] *= -1
+    if given.get("direct_kind") == "light":  # E / pi
+        config.inputs.direct_scale *= np.pi
 
 
 def _matrix(name: str, value: Any) -> Any:

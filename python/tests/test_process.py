@@ -206,6 +206,17 @@ def test_options_are_those_of_the_library(room, lit):
         "beauty"]
 
 
+def test_words_of_the_tool_mean_the_same(room, lit):
+    depth, normal, albedo, direct, camera = room
+    same(hbil.process(depth, normal * (1, -1, -1), albedo, direct, camera,
+                      normal_space="camera", sample_grid="full-resolution"), lit)
+    same(hbil.process(depth, -normal, albedo, direct, camera, direct_kind="light",
+                      direct_scale=0.5, normal_space="camera",
+                      normal_scale=(-1, 1, 1)),
+         hbil.process(depth, normal, albedo, direct, camera,
+                      direct_scale=np.pi / 2))
+
+
 def test_results_in_given_arrays(room, lit):
     ao = np.empty((HEIGHT, WIDTH), np.float32)
     found = hbil.process(*room, out={"ao": ao})
@@ -249,6 +260,7 @@ BAD = {  # arguments that replace those of the room, exception and message
     "no list of layers": ({"layers": 3}, TypeError, "layers: 3; a list"),
     "no name of a layer": ({"layers": [["ao"]]}, ValueError,
                            "layers: ['ao']; of near"),
+    "no word": ({"mode": ["hbil"]}, ValueError, "mode: ['hbil']; one of hbil, g"),
     "warm_up": ({"warm_up": "a"}, TypeError, "warm_up: 'a'; a whole number"),
     "warm_up in parts": ({"warm_up": 2.5}, TypeError, "warm_up: 2.5; a whole"),
     "warm_up backwards": ({"warm_up": -1}, TypeError, "warm_up: -1; a whole"),
