@@ -375,10 +375,10 @@ def process(depth: Array, normal: Optional[Array], albedo: Optional[Array],
     The inputs are arrays of (height, width) or (height, width, channels), of
     any contiguity; planes of (channels, height, width) are
     numpy.moveaxis(planes, 0, -1), which copies nothing.  Floats of any
-    precision are values; float32 and float16 are read as they are.  Of colours
-    and normals, uint8 and uint16 (of normals int8 and int16, too) are the
-    formats UNORM and SNORM of hbil_formats.h: 0..255 stands for 0..1.  Other
-    integers are values.
+    precision are values; float32 and float16 are read as they are, depth and
+    normals of float16 with room for their rounding.  Of colours and normals,
+    uint8 and uint16 (of normals int8 and int16, too) are the formats UNORM and
+    SNORM of hbil_formats.h: 0..255 stands for 0..1.  Other integers are values.
 
     depth     (height, width): z, in world units, or what depth_kind says
     normal    (height, width, 3): in view space, or in the world's with
@@ -478,7 +478,9 @@ class Sequence:
              the views decide; False: none; or a dict of members of
              hbil_cache_config: voxel_size (world units), centre, voxels,
              levels, unseen_light; or what save_cache() has returned
-    views    hbil.View, which the cache sees before the first frame
+    views    hbil.View, which the cache sees before the first frame: of all the
+             place, if possible, some later frames among them, since the cache
+             becomes no larger than the first frame and the views show
     light_views  views from lights, with cache_method="rsm" (hbil_cache.h)
     learn    False: frames don't change the cache
 

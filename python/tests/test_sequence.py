@@ -72,6 +72,12 @@ def test_the_size_of_the_cache_is_that_of_the_room(room):
     # 5 units to the back wall, from the camera
     assert 10 < width < 10 * 64 / 60 + 0.01
     assert saved["centre"] == (0, 0, 0)
+    behind = np.eye(4)
+    behind[2, 3] = 15  # another room, which reaches to 20 units
+    view = hbil.View(*room[:4], {**room[4], "view_to_world": behind})
+    with hbil.Sequence(views=[view]) as sequence:
+        sequence.process(*room)
+        assert 3.9 < sequence.save_cache()["voxel_size"] / saved["voxel_size"] < 4.1
 
 
 def test_what_is_saved_is_what_is_loaded(room, tmp_path):
