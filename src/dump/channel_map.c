@@ -89,6 +89,13 @@ int channel_map_follows(const channel_map *map, const char *path,
   return 0;
 }
 
+void channel_map_read_alike(channel_map *map, const channel_map *first) {
+  const double near = map->how.near, far = map->how.far;
+  map->how = first->how;
+  map->how.near = near;
+  map->how.far = far;
+}
+
 void channel_map_signs(const channel_map *map, dump_space space,
                        float sign[3]) {
   unsigned flips = map->how.flips;

@@ -55,6 +55,10 @@ int channel_map_follows(const channel_map *map, const char *path,
                         const channel_map *first, const char *first_path,
                         image_error *error);
 
+/* Takes the conventions of the first frame, whose pixels have decided them. The
+ * clipping planes stay those of the own camera. */
+void channel_map_read_alike(channel_map *map, const channel_map *first);
+
 /* What each axis of vectors of that space is multiplied by (1 or -1): the flips
  * of the conventions, then those that lead to view space or to a right-handed
  * world. */

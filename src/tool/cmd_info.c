@@ -10,8 +10,8 @@
 #include "image/image_read.h"
 #include "image/window.h"
 #include "tool/commands.h"
-#include "tool/extent.h"
 #include "tool/frame_list.h"
+#include "tool/info_sequence.h"
 #include "tool/job_light.h"
 #include "tool/options.h"
 #include "tool/report.h"
@@ -27,13 +27,6 @@ typedef struct info_options {
   source_options source;
   const char *camera, *frames;
 } info_options;
-
-/* The files that hbil process can use. */
-typedef struct usable {
-  extent_picture *pictures; /* their maps are those of `maps` */
-  channel_map *maps;        /* owned */
-  size_t count;
-} usable;
 
 static const option_row frame_rows[] = {
     {ROW_TEXT("frames", offsetof(info_options, frames), "RANGES"),
@@ -56,7 +49,9 @@ static const option_command command = {
         "radiance cache that hbil process would have for all these frames.",
     .groups = groups,
     .group_count = 2,
-    .notes = "FRAME.exr may be a pattern or a folder, as for hbil process.  "
+    .notes = "FRAME.exr may be a pattern or a folder, as for hbil process; "
+             "then the first frame is told in full, and one line says whether "
+             "the others go with it.  "
              "Exit status: 0 if hbil process can use the files as the frames "
              "of one job, else 2."};
 
@@ -306,19 +301,28 @@ static void print_numbers(const image *header) {
     puts(" in the header");
 }
 
+/* Whether the file has what is needed, and its camera. */
+static int check_header(const char *path, const image *header,
+                        const info_options *o, channel_map *map,
+                        frame_camera *seen, image_error *error) {
+  camera_file camera;
+  return channel_map_check(map, path, error) != 0 ||
+                 frame_camera_read(path, header, map, o->camera, &o->source,
+                                   seen, NULL, error) != 0 ||
+                 frame_camera_aim(path, seen, map, &camera, error) != 0
+             ? -1
+             : 0;
+}
+
 static int print_understood(const char *path, const image *header,
                             const info_options *o, channel_map *map,
                             image_error *error) {
   frame_camera seen;
-  camera_file camera;
   findings guessed;
   print_window(map);
   print_numbers(header);
   if (print_roles(path, map, error) != 0 ||
-      channel_map_check(map, path, error) != 0 ||
-      frame_camera_read(path, header, map, o->camera, &o->source, &seen, NULL,
-                        error) != 0 ||
-      frame_camera_aim(path, &seen, map, &camera, error) != 0 ||
+      check_header(path, header, o, map, &seen, error) != 0 ||
       conventions_settle(path, map, &guessed, error) != 0)
     return -1;
   for (int i = 0; i < guessed.count; i++)
@@ -327,21 +331,41 @@ static int print_understood(const char *path, const image *header,
   return check_frame(path, map, &seen, error);
 }
 
-/* Adds the file to `all` if it can be used. */
-static int print_file(const char *path, const info_options *o, usable *all,
-                      image_error *error) {
+static int print_whole(const char *path, const image *header,
+                       const info_options *o, channel_map *map,
+                       image_error *error) {
+  report_text(path, stdout);
+  printf(": %u x %u pixels, read as %s (--source %s)\n", header->width,
+         header->height, source_table[map->kind].about,
+         source_table[map->kind].word);
+  const int failed = print_understood(path, header, o, map, error);
+  print_ignored(header, map);
+  return failed;
+}
+
+/* A later frame of a sequence, which is read as the first one is. */
+static int check_later(const char *path, const image *header,
+                       const info_options *o, const channel_map *first,
+                       channel_map *map, image_error *error) {
+  frame_camera seen;
+  if (check_header(path, header, o, map, &seen, error) != 0)
+    return -1;
+  channel_map_read_alike(map, first);
+  return 0;
+}
+
+/* Adds the file to `all` if it can be used.  later: it isn't the first one of a
+ * sequence, and is checked without words. */
+static int print_file(const char *path, const info_options *o, int later,
+                      usable *all, image_error *error) {
   image header;
   channel_map *map = &all->maps[all->count];
   if (image_read_header(path, &header, error) != 0)
     return -1;
   int failed = channel_map_read(path, &header, &o->source, map, error);
   if (!failed) {
-    report_text(path, stdout);
-    printf(": %u x %u pixels, read as %s (--source %s)\n", header.width,
-           header.height, source_table[map->kind].about,
-           source_table[map->kind].word);
-    failed = print_understood(path, &header, o, map, error);
-    print_ignored(&header, map);
+    failed = later ? check_later(path, &header, o, all->maps, map, error)
+                   : print_whole(path, &header, o, map, error);
     if (failed)
       channel_map_free(map);
     else
@@ -351,43 +375,10 @@ static int print_file(const char *path, const info_options *o, usable *all,
   return failed;
 }
 
-/* The radiance cache for all frames. */
-static int print_cache(const usable *all, image_error *error) {
-  hbil_cache_config cache;
-  hbil_cache_config_init(&cache);
-  if (!all->count)
-    return 0;
-  if (extent_choose(all->pictures, all->count, NULL, 0, &cache, error) != 0)
-    return -1;
-  const double coarsest = ldexp(cache.voxel_size, (int)cache.levels - 1);
-  printf("radiance cache: %g units wide about %g %g %g, %u x %u x %u voxels of "
-         "%.3g units and up (hbil process --cache-size)\n",
-         cache.voxels * coarsest, cache.centre[0], cache.centre[1],
-         cache.centre[2], (unsigned)cache.voxels, (unsigned)cache.voxels,
-         (unsigned)cache.voxels, cache.voxel_size);
-  return 0;
-}
-
-/* Whether one job can have all of the files as its frames. */
-static int check_sequence(const usable *all, image_error *error) {
-  const extent_picture *first = &all->pictures[0];
-  camera_file camera = {.orthographic = first->map->projection ==
-                                        HBIL_PROJECTION_ORTHOGRAPHIC};
-  for (size_t i = 1; i < all->count; i++) {
-    const extent_picture *p = &all->pictures[i];
-    camera_file own = {.orthographic =
-                           p->map->projection == HBIL_PROJECTION_ORTHOGRAPHIC};
-    if (channel_map_follows(p->map, p->path, first->map, first->path, error) !=
-            0 ||
-        frame_camera_same_projection(p->path, &own, first->path, &camera,
-                                     error) != 0)
-      return -1;
-  }
-  return 0;
-}
-
-static int print_files(char *const *files, size_t count, const info_options *o,
-                       image_error *error) {
+/* sequence: the files are those of patterns or folders.  The first one stands
+ * for all, and the first that can't be used is told. */
+static int print_files(char *const *files, size_t count, int sequence,
+                       const info_options *o, image_error *error) {
   usable all = {.pictures = calloc(count, sizeof *all.pictures),
                 .maps = calloc(count, sizeof *all.maps)};
   int status = STATUS_OK;
@@ -395,13 +386,14 @@ static int print_files(char *const *files, size_t count, const info_options *o,
     image_no_memory(error, files[0]);
     status = report_error(error);
   }
-  for (size_t i = 0; all.pictures && all.maps && i < count; i++)
-    if (print_file(files[i], o, &all, error) != 0) {
+  for (size_t i = 0; all.pictures && all.maps && i < count &&
+                     (!sequence || status == STATUS_OK);
+       i++)
+    if (print_file(files[i], o, sequence && i > 0, &all, error) != 0) {
       fflush(stdout);
       status = report_error(error);
     }
-  if (status == STATUS_OK &&
-      (check_sequence(&all, error) != 0 || print_cache(&all, error) != 0)) {
+  if (status == STATUS_OK && info_sequence_print(&all, sequence, error) != 0) {
     fflush(stdout);
     status = report_error(error);
   }
@@ -429,7 +421,8 @@ int cmd_info(int argc, char **argv) {
       frame_list_make(argv + optind, argc - optind, o.frames, 0, &list,
                       &error) != 0)
     return report_error(&error);
-  const int status = print_files(list.files, list.count, &o, &error);
+  const int sequence = list.count != (size_t)(argc - optind);
+  const int status = print_files(list.files, list.count, sequence, &o, &error);
   frame_list_free(&list);
   return status;
 }

@@ -174,12 +174,8 @@ static int settle_conventions(job *j, image_error *error) {
     return -1;
   for (int i = 0; !j->settings->quiet && i < found.count; i++)
     report_note(first->path, "", found.text[i]);
-  for (job_frame *f = j->frames; f < j->frames + j->count; f++) {
-    const double near = f->map.how.near, far = f->map.how.far;
-    f->map.how = first->map.how;
-    f->map.how.near = near;
-    f->map.how.far = far;
-  }
+  for (job_frame *f = j->frames; f < j->frames + j->count; f++)
+    channel_map_read_alike(&f->map, &first->map);
   return 0;
 }
 

@@ -183,7 +183,8 @@ rejected "--dry-run finds what is wrong" 'is there already' \
 # info takes what process takes, and its status is about all of it.
 for files in "$frames" "$frames/frame_####.exr"; do
   run "$HBIL" info "$files"
-  test $status -eq 0 && test "$(grep -c '40 x 30 pixels, read as' "$work/out")" -eq 5
+  test $status -eq 0 && test "$(grep -c '40 x 30 pixels, read as' "$work/out")" -eq 1 &&
+    grep -q '^sequence: 5 frames, .*frame_0001.exr to .*frame_0005.exr, ' "$work/out"
   ok $? "info of ${files##*/}"
 done
 rejected "info of a folder with a hole" 'frame_####.exr: 1 of 5 frames is missing: 3;' \
@@ -196,6 +197,8 @@ for command in "process -o $out" info; do
     'wider/.*: 48 x 30 pixels, but .* has 40 x 30; frames of one size' \
     "$HBIL" $command "$frames/frame_0001.exr" "$work/wider/gbuffer/frame_0001.exr"
 done
+rejected "nor with a pattern" 'wider/.*: 48 x 30 pixels, but .* has 40 x 30' \
+  "$HBIL" info "$frames" "$work/wider/gbuffer"
 
 # --- side by side ---
 
