@@ -69,18 +69,30 @@ static int is_file(const char *value) {
 
 static int take_from(const image *header, const char *path, const char *group,
                      role r, channel_map *out, image_error *error) {
+  char layers[512];
   if (layer_channels_take(header, group, r, out) ||
       layer_channels_take_one(header, group, r, out))
+    return 0;
+  /* the last word of a layer's name stands for it if no other ends so */
+  const size_t alike =
+      *group ? layer_channels_list(header, group, r, layers, sizeof layers) : 0;
+  if (alike == 1 && layer_channels_take(header, layers, r, out))
     return 0;
   /* in a file of its own the first channel may have any name */
   if (!*group && header->count > 0 &&
       layer_channels_take_one(header, header->planes[0].name, r, out))
     return 0;
+  if (alike > 1)
+    return image_fail(error,
+                      "--map %s=%s: %s has several such layers; one of %s is "
+                      "needed",
+                      role_name(r), group, path, layers);
+  layer_channels_list(header, NULL, r, layers, sizeof layers);
   return image_fail(error,
-                    "--map %s=%s: %s has no such layer of %zu channel%s (see "
-                    "hbil info)",
+                    "--map %s=%s: %s has no such layer of %zu channel%s%s%s",
                     role_name(r), group, path, role_channels(r),
-                    role_channels(r) == 1 ? "" : "s");
+                    role_channels(r) == 1 ? "" : "s",
+                    *layers ? "; it has " : " (see hbil info)", layers);
 }
 
 int chosen_passes_take_file(const char *frame, const image *own, char *path,

@@ -40,17 +40,26 @@ static size_t letter_count(const char *const *set) {
   return count;
 }
 
-/* Fills the role's names if the header has LAYER.LETTER for the whole set. */
+/* The names of LAYER.LETTER for the whole set.  Returns how many of them the
+ * header has before the first that it lacks. */
+static size_t name_set(const image *header, const char *group,
+                       const char *const *set, char names[ROLE_CHANNELS][256]) {
+  for (size_t i = 0; set[i]; i++) {
+    const int length = snprintf(names[i], sizeof names[i], "%s%s%s", group,
+                                *group ? "." : "", set[i]);
+    if (length >= (int)sizeof names[i] || !image_find(header, names[i]))
+      return i;
+  }
+  return letter_count(set);
+}
+
+/* Fills the role's names if the header has the whole set. */
 static int take_set(const image *header, const char *group,
                     const char *const *set, role r, channel_map *out) {
   const size_t count = letter_count(set);
   char names[ROLE_CHANNELS][256];
-  for (size_t i = 0; i < count; i++) {
-    const int length = snprintf(names[i], sizeof names[i], "%s%s%s", group,
-                                *group ? "." : "", set[i]);
-    if (length >= (int)sizeof names[i] || !image_find(header, names[i]))
-      return 0;
-  }
+  if (name_set(header, group, set, names) < count)
+    return 0;
   memcpy(out->names[r], names, count * sizeof *names);
   out->count[r] = count;
   return 1;
@@ -76,6 +85,48 @@ int layer_channels_take(const image *header, const char *group, role r,
         take_set(header, group, letters[i], r, out))
       return 1;
   return 0;
+}
+
+/* Whether the last word of a layer's name is `word`. */
+static int ends_in_word(const char *layer, const char *word) {
+  const size_t whole = strlen(layer), own = strlen(word);
+  return whole > own && layer[whole - own - 1] == '.' &&
+         strcmp(layer + whole - own, word) == 0;
+}
+
+/* Whether the channel is the first one of a layer that could have the role. */
+static int begins_layer(const image *header, const char *channel,
+                        const char *layer, role r) {
+  char names[ROLE_CHANNELS][256];
+  for (size_t i = sizeof letters / sizeof *letters; i-- > 0;) {
+    const size_t count = letter_count(letters[i]);
+    if (name_set(header, layer, letters[i], names) < count)
+      continue;
+    if (count == role_channels(r))
+      return strcmp(names[0], channel) == 0;
+    if (role_channels(r) == 1)
+      return 0; /* its Z or R is a part of a vector or colour */
+  }
+  return 0;
+}
+
+size_t layer_channels_list(const image *header, const char *word, role r,
+                           char *text, size_t size) {
+  size_t count = 0, used = 0;
+  *text = '\0';
+  for (size_t i = 0; i < header->count; i++) {
+    const char *name = header->planes[i].name, *dot = strrchr(name, '.');
+    char layer[256];
+    snprintf(layer, sizeof layer, "%.*s", dot ? (int)(dot - name) : 0, name);
+    if (!*layer || (word && !ends_in_word(layer, word)) ||
+        !begins_layer(header, name, layer, r))
+      continue;
+    if (used < size)
+      used += (size_t)snprintf(text + used, size - used, "%s%s",
+                               count ? ", " : "", layer);
+    count++;
+  }
+  return count;
 }
 
 int layer_channels_take_ending(const image *header, const char *ending, role r,

@@ -19,6 +19,12 @@ int layer_channels_take(const image *header, const char *layer, role r,
 int layer_channels_take_one(const image *header, const char *name, role r,
                             channel_map *out);
 
+/* Writes the names of the layers whose last word is `word`, NULL for any, and
+ * that have as many channels as the role, with commas, as far as `size` allows.
+ * Returns how many there are. */
+size_t layer_channels_list(const image *header, const char *word, role r,
+                           char *text, size_t size);
+
 /* The first channel whose name ends in `ending`. */
 int layer_channels_take_ending(const image *header, const char *ending, role r,
                                channel_map *out);

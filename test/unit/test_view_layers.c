@@ -82,6 +82,16 @@ static void another_view_layer_can_be_chosen(void **state) {
   reading_free(&r);
   d.options.view_layer = "b";
   assert_rejected(&d, "has no view layer b; one of A, A.b, B is needed");
+  d.options.view_layer = "B";
+  d.options.map = "direct=DiffDir"; /* a layer's last word */
+  r = dump_read(&d);
+  assert_string_equal(r.map.names[ROLE_DIRECT][0], "A.b.DiffDir.R");
+  reading_free(&r);
+  d.options.map = "depth=Depth";
+  assert_rejected(&d,
+                  "several such layers; one of A.Depth, A.b.Depth, B.Depth");
+  d.options.map = "depth=gone";
+  assert_rejected(&d, "no such layer of 1 channel; it has A.Depth, A.b.Depth");
   dump_end(&d);
 }
 
