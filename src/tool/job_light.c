@@ -6,6 +6,7 @@
 #include "image/formats_rgb.h"
 #include "tool/options.h"
 #include "tool/refusal.h"
+#include "tool/report.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -154,6 +155,22 @@ static int check_finite(const job *j, image_error *error) {
   return 0;
 }
 
+/* What was understood of a map.  The first function of the harmonics is the
+ * constant 1 / sqrt(4 pi). */
+static void tell_map(const job *j, uint32_t width, uint32_t height) {
+  const float *sum = j->far.environment[0];
+  const double mean = 0.28209479177387814;
+  char text[256];
+  snprintf(text, sizeof text,
+           "a latitude-longitude map of %u x %u pixels, mean radiance %.3g "
+           "%.3g %.3g; its top row is +z, its middle column +x and what is "
+           "left of that +y, as in Blender%s",
+           width, height, mean * (double)sum[0], mean * (double)sum[1],
+           mean * (double)sum[2],
+           width == 2 * height ? "" : "; twice as wide as high is usual");
+  report_note(j->settings->environment, "", text);
+}
+
 /* A latitude-longitude map becomes spherical harmonics. */
 static int load_map(job *j, image_error *error) {
   const char *path = j->settings->environment;
@@ -167,6 +184,8 @@ static int load_map(job *j, image_error *error) {
   if (status != HBIL_SUCCESS)
     return refusal(NULL, path, status, NULL, error);
   j->config.model.far_field = HBIL_FAR_SH;
+  if (!j->settings->quiet)
+    tell_map(j, width, height);
   return 0;
 }
 
