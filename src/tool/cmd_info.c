@@ -188,19 +188,36 @@ static void print_camera(const frame_camera *seen, const channel_map *map) {
            map->exposure);
 }
 
+/* Whether positions fit, and what helps if no warning says it.  Samples may lie
+ * anywhere in their pixels. */
+static const char *verdict(const frame_check *k, double pixels) {
+  return k->positions < 1e-3 ? "they agree"
+         : pixels < 1.0      ? "they agree within a pixel, which is enough"
+         : k->found.count    ? "they differ, as told below"
+                          : "they differ: store both as 32-bit floats, of one "
+                            "sample at each pixel's middle, or leave one out "
+                            "(--map position=, --depth position)";
+}
+
+static void print_positions(const gbuffer *g, const frame_check *k) {
+  const int parallel = g->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC;
+  const double pixels =
+      k->positions * (parallel ? g->planes.width : g->map.camera.fx);
+  printf("  position   rebuilt from depth and camera: 90 %% within %.2g of the "
+         "%s",
+         k->positions, parallel ? "picture's width" : "distance");
+  if (k->positions >= 1e-3)
+    printf(" (%.2g pixels)", pixels);
+  printf(", %s\n", verdict(k, pixels));
+}
+
 static void print_check(const gbuffer *g, const frame_check *k) {
   printf("  surfaces   %.1f %% of the pixels", 100.0 * k->surface);
   if (k->surface > 0.0)
     printf(", depth %g .. %g", k->low, k->high);
   putchar('\n');
   if (!isnan(k->positions))
-    printf(
-        "  position   rebuilt from depth and camera: 90 %% within %.2g%s%s\n",
-        k->positions,
-        g->map.projection == HBIL_PROJECTION_ORTHOGRAPHIC
-            ? " of the picture's width"
-            : " of the distance",
-        k->positions < 1e-3 ? ", they agree" : "");
+    print_positions(g, k);
   if (g->map.count[ROLE_NORMAL]) {
     printf("  normals    %.1f %% face the eye", 100.0 * k->facing);
     if (!isnan(k->agreement))

@@ -237,6 +237,15 @@ rejected "an environment that is cut off" 'cut.tif: truncated' \
 rejected "a pass of another size" '8 x 8 pixels, but .* has 60 x 44' \
   process --map "$map,albedo=small.png" -o "$out" "$passes/frame_0001.exr"
 
+# A depth that is longer than the positions say, by less than a pixel and by more.
+for by in 1.003:'(.* pixels), they agree within' 1.045:'they differ: store both'; do
+  f=${by%%:*}
+  oiiotool "$one" --mulc 1,1,1,$f,1,1,1,1,1,1,1,1,1,1,1,1,1,1 -o "$passes/far_0001.exr"
+  cp "$camera" "$passes/far_0001.json"
+  says "info says whether positions fit a depth times $f" "position .*${by#*:}" \
+    "$HBIL" info "$passes/far_0001.exr"
+done
+
 # Houdini's Karma: no row of the table, so it is named.
 oiiotool "$one" --ch depth.Z,normal.X,normal.Y,normal.Z,albedo.R,albedo.G,albedo.B,direct.R,direct.G,direct.B \
   --chnames Pz,N.X,N.Y,N.Z,albedo.R,albedo.G,albedo.B,directdiffuse.R,directdiffuse.G,directdiffuse.B \
