@@ -112,6 +112,17 @@ static void report_findings(const char *path, const findings *found) {
   }
 }
 
+int first_frame_tell(first_frame *f, image_error *error) {
+  wait_for(f);
+  if (f->failed) {
+    *error = f->error;
+    return -1;
+  }
+  if (f->is_checked)
+    report_findings(f->job->frames[0].path, &f->check.found);
+  return 0;
+}
+
 /* check: of this frame; NULL: it isn't checked yet. */
 static void warn(frame_source *s, const job_frame *f, const gbuffer *g,
                  const frame_check *check) {

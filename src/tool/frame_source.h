@@ -35,6 +35,10 @@ int first_frame_read(first_frame *f, job *j, image_error *error);
  * From here on, nothing of the job changes that either reads. */
 void first_frame_begin(first_frame *f, job *j);
 
+/* Waits for the check and prints what it found, for jobs that take no frame.
+ * 0, or -1 with `error` filled if the frame can't be read. */
+int first_frame_tell(first_frame *f, image_error *error);
+
 /* Frees what nobody has taken.  It may be called on a zeroed first_frame. */
 void first_frame_free(first_frame *f);
 

@@ -279,7 +279,7 @@ static int print_timings(const process *p, image_error *error) {
  * resumed may not need that frame. */
 static int open_lighting(process *p, image_error *error) {
   const process_settings *s = p->job.settings;
-  if (!s->dry_run && !s->resume)
+  if (!s->resume)
     first_frame_begin(&p->first, &p->job);
   else
     held_planes_free(&p->job.held);
@@ -353,9 +353,11 @@ static int light_place(process *p, image_error *error) {
 static int run_place(process *p, int place, image_error *error) {
   const int is_last = place + 1 == p->whole.place_count;
   int failed = open_place(p, place, error);
-  if (!failed && p->whole.settings->dry_run)
-    print_frames(p);
-  else if (!failed)
+  if (!failed && p->whole.settings->dry_run) {
+    failed = first_frame_tell(&p->first, error);
+    if (!failed)
+      print_frames(p);
+  } else if (!failed)
     failed = light_place(p, error);
   close_place(p);
   if (!is_last)
