@@ -13,6 +13,11 @@ void channel_map_init(channel_map *out, dump_kind kind) {
   out->how = source_table[kind].how;
 }
 
+void channel_map_encode(channel_map *map, role r, const image *header) {
+  map->gamma[r] = header->gamma;
+  map->floats[r] = !header->integers;
+}
+
 void channel_map_free(channel_map *map) {
   for (int r = 0; r < ROLE_COUNT; r++) {
     free(map->files[r]);

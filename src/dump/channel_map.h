@@ -8,6 +8,7 @@
 #include "dump/source.h"
 #include "hbil/hbil.h"
 #include "image/error.h"
+#include "image/image.h"
 #include "image/window.h"
 
 typedef struct channel_map {
@@ -18,6 +19,8 @@ typedef struct channel_map {
   char *files[ROLE_COUNT]; /* the role's file, if it is not the frame's own; the
                               map owns the names */
   int gamma[ROLE_COUNT];   /* 1: the file's colours are sRGB */
+  int floats[ROLE_COUNT];  /* 1: the file has floats, which are linear if they
+                              are light */
   unsigned chosen;         /* roles that --map names, a bit mask */
   int unnamed;             /* 1: the file's channels are ch00, ch01, ... */
   int emission_is_sky;     /* 1: emission is the pass of the background alone */
@@ -38,6 +41,9 @@ typedef struct channel_map {
 
 /* An empty map with the conventions of a source. */
 void channel_map_init(channel_map *out, dump_kind kind);
+
+/* How the colours of the file are stored that has the role's channels. */
+void channel_map_encode(channel_map *map, role r, const image *header);
 
 /* Frees what the map owns.  It may be called twice. */
 void channel_map_free(channel_map *map);

@@ -127,8 +127,11 @@ void check_colours(const surface_points *s, int is_lit, findings *out) {
       findings_add(
           out,
           "%s has whole parts of 255, as pictures with eight bits a channel "
-          "have, which are gamma-encoded: --colours srgb",
-          role_name(roles[k]));
+          "have, which are gamma-encoded%s",
+          role_name(roles[k]),
+          roles[k] == ROLE_ALBEDO || !map->floats[roles[k]]
+              ? ": --colours srgb"
+              : " and end at 1: write the renderer's own floats");
   if (is_lit && map->count[ROLE_ALBEDO])
     check_black(s, out);
   if (map->how.shows_sources && lights_everything(s))

@@ -112,7 +112,7 @@ int chosen_passes_take_file(const char *frame, const image *own, char *path,
                         "one size are needed",
                         path, here.width, here.height, frame, shown.width,
                         shown.height);
-  out->gamma[r] = header.gamma;
+  channel_map_encode(out, r, &header);
   image_free(&header);
   return failed;
 }
@@ -182,7 +182,7 @@ static int take_role(const char *frame, const image *header, char *const *words,
   out->count[r] = 0;
   free(out->files[r]);
   out->files[r] = NULL;
-  out->gamma[r] = header->gamma;
+  channel_map_encode(out, (role)r, header);
   if (count > 1) {
     for (size_t i = 1; i < count && i <= ROLE_CHANNELS; i++)
       values[i] = words[i];

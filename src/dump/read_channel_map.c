@@ -52,6 +52,7 @@ static void background_as_emission(channel_map *map) {
          sizeof map->names[ROLE_EMISSION]);
   map->count[ROLE_EMISSION] = map->count[ROLE_BACKGROUND];
   map->gamma[ROLE_EMISSION] = map->gamma[ROLE_BACKGROUND];
+  map->floats[ROLE_EMISSION] = map->floats[ROLE_BACKGROUND];
   map->files[ROLE_EMISSION] = map->files[ROLE_BACKGROUND];
   map->files[ROLE_BACKGROUND] = NULL;
   map->count[ROLE_BACKGROUND] = 0;
@@ -177,7 +178,7 @@ int channel_map_read(const char *path, const image *header,
   channel_map_init(out, options->source >= 0 ? (dump_kind)options->source
                                              : recognise_source(path, header));
   for (int r = 0; r < ROLE_COUNT; r++)
-    out->gamma[r] = header->gamma;
+    channel_map_encode(out, (role)r, header);
   out->how = source_conventions(out->kind, options);
   if (out->kind == DUMP_PLAIN && recognise_own_channels(header))
     out->how.unsure = 0;
@@ -195,7 +196,8 @@ int channel_map_read(const char *path, const image *header,
   out->unnamed = image_find(header, "ch00") != NULL;
   out->is_beauty = is_beauty(out);
   for (int r = 0; r < ROLE_COUNT && options->gamma >= 0; r++)
-    out->gamma[r] = options->gamma;
+    /* light that is floats is never sRGB */
+    out->gamma[r] = options->gamma && (r == ROLE_ALBEDO || !out->floats[r]);
   out->data = out->window = image_data_window(header);
   out->display = image_display_window(header);
   return 0;

@@ -57,6 +57,7 @@ typedef struct image {
   size_t number_count; /* the first ones of the header, IMAGE_NUMBERS at most */
   image_number *numbers; /* owned; NULL: none */
   int gamma;    /* 1: colours are encoded as sRGB; 0: they are linear */
+  int integers; /* 1: values are stored as integers, which stand for 0..1 */
   char key[32]; /* identifies what the image was computed from (see
                  * exr_key.h); "" if the file has no such attribute */
   /* Of hbil's layers, in world units: near_irradiance is light of surfaces

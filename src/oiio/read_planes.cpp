@@ -46,6 +46,10 @@ void describe(const OIIO::ImageSpec &spec, image *out) {
   if (spec.full_width > 0 && spec.full_height > 0)
     out->display = {spec.full_x, spec.full_y, uint32_t(spec.full_width),
                     uint32_t(spec.full_height)};
+  const auto type = OIIO::TypeDesc::BASETYPE(spec.format.basetype);
+  out->integers = type != OIIO::TypeDesc::FLOAT &&
+                  type != OIIO::TypeDesc::HALF &&
+                  type != OIIO::TypeDesc::DOUBLE;
   // Files of 8 bits that don't name their colour space are sRGB by convention.
   const std::string space = spec.get_string_attribute("oiio:ColorSpace");
   out->gamma = space == "sRGB" ||

@@ -134,6 +134,24 @@ static void tell_fitted_camera(const job *j) {
   report_note(first->path, "", text);
 }
 
+/* What of the first frame's file is read otherwise than it says. */
+static void tell_reading(const job *j) {
+  const job_frame *first = j->frames;
+  const channel_map *map = &first->map;
+  int floats = 0;
+  if (j->settings->quiet)
+    return;
+  for (int r = 0; r < ROLE_COUNT; r++)
+    floats |= role_is_colour((role)r) && map->count[r] && map->floats[r];
+  if (j->settings->source.gamma > 0 && floats)
+    report_note(
+        first->path, "",
+        map->count[ROLE_ALBEDO] && map->floats[ROLE_ALBEDO]
+            ? "--colours srgb: albedo of floats is taken as sRGB, though "
+              "linear is usual, and light in floats as linear"
+            : "--colours srgb: light in floats is taken as linear");
+}
+
 /* Reads the frame that decides, if it isn't the first one. */
 static int read_decider(job *j, image_error *error) {
   const process_settings *s = j->settings;
@@ -204,6 +222,7 @@ int job_frames_check(job *j, char *const *files, image_error *error) {
     if (check_header(j, f, error) != 0)
       return -1;
   }
+  tell_reading(j);
   warn_without_light(j);
   tell_fitted_camera(j);
   return aim_cameras(j, error) != 0 || read_decider(j, error) != 0 ||

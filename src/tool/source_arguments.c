@@ -112,8 +112,9 @@ const option_row source_rows[SOURCE_ROWS] = {
     {ROW_CHOICE("direct", AT(direct), direct_words),
      .help = "direct light is E, E/pi or E albedo/pi"},
     {ROW_CHOICE("colours", AT(gamma), colours),
-     .help = "encoding of albedo, direct, emission and background (as their "
-             "file says, or linear)"},
+     .help = "encoding of colours in files of integers and of albedo in any "
+             "file; light in floats is linear (as the file says, or sRGB for "
+             "8 bits and else linear)"},
     {ROW_OTHER("flip", AT(flips), set_flips, "x,y,z"),
      .help = "change the sign of these axes of normals and positions"},
     {ROW_ABOVE_0("unit-scale", AT(unit), "F"), .library = "inputs.depth_scale",

@@ -240,6 +240,12 @@ rejected "an environment that is cut off" 'cut.tif: truncated' \
 rejected "a pass of another size" '8 x 8 pixels, but .* has 60 x 44' \
   process --map "$map,albedo=small.png" -o "$out" "$passes/frame_0001.exr"
 
+# What sRGB is, in files of integers and of floats.
+oiiotool "$one" --ch direct.R,direct.G,direct.B --chnames R,G,B -d uint16 -o "$passes/light.tif"
+run "$HBIL" info --colours srgb --map "$map,direct=light.tif" "$passes/frame_0001.exr"
+test $status -eq 0 && grep -q 'direct .*light.tif, sRGB, made linear' "$work/out" &&
+  grep -q 'emission.R *[^,]*$' "$work/out"
+ok $? "light in integers can be sRGB, light in floats can't"
 # A depth that is longer than the positions say, by less than a pixel and by more.
 for by in 1.003:'(.* pixels), they agree within' 1.045:'they differ: store both'; do
   f=${by%%:*}

@@ -184,6 +184,7 @@ static void finds_gamma_encoded_albedo(void **state) {
       finds(&d, "albedo has whole parts of 255");
       continue;
     }
+    dump_add_colour(&d, "direct", letters_rgb, d.s.direct, NULL, 1);
     d.options.gamma = 1;
     dump_write(&d);
     reading r = dump_read(&d);
@@ -191,6 +192,9 @@ static void finds_gamma_encoded_albedo(void **state) {
     assert_true(
         fabs((double)gbuffer_plane(&r.g, ROLE_ALBEDO, 0)[128 * 183 % 256] -
              0.21586) < 1e-4); /* 7 i = 128: sRGB's middle grey */
+    /* light that is floats is linear all the same */
+    assert_true(
+        reading_colour_error(&d, &r, ROLE_DIRECT, d.s.direct, 1, NULL) == 0);
     reading_free(&r);
     dump_end(&d);
   }
