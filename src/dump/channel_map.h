@@ -21,13 +21,16 @@ typedef struct channel_map {
   int gamma[ROLE_COUNT];   /* 1: the file's colours are sRGB */
   int floats[ROLE_COUNT];  /* 1: the file has floats, which are linear if they
                               are light */
-  unsigned chosen;         /* roles that --map names, a bit mask */
-  int unnamed;             /* 1: the file's channels are ch00, ch01, ... */
-  int emission_is_sky;     /* 1: emission is the pass of the background alone */
-  char picked[2][256];     /* what was chosen unasked of several view layers and
-                              eyes; "": nothing */
-  int is_beauty;      /* 1: by its name, direct light is a finished image */
-  hbil_camera camera; /* for conversions; fx 0: unknown */
+  char lacks[ROLE_COUNT][256]; /* a role that is left out, since a layer has
+                                  its other channels: the first that isn't
+                                  there; "": none */
+  unsigned chosen;             /* roles that --map names, a bit mask */
+  int unnamed;                 /* 1: the file's channels are ch00, ch01, ... */
+  int emission_is_sky; /* 1: emission is the pass of the background alone */
+  char picked[2][256]; /* what was chosen unasked of several view layers and
+                          eyes; "": nothing */
+  int is_beauty;       /* 1: by its name, direct light is a finished image */
+  hbil_camera camera;  /* for conversions; fx 0: unknown */
   hbil_projection projection; /* of the camera */
   double exposure;            /* light in the files has this factor; 0: none */
   int mirrored;      /* 1: the dump's world is left-handed, and z of world space

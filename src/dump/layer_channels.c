@@ -129,6 +129,29 @@ size_t layer_channels_list(const image *header, const char *word, role r,
   return count;
 }
 
+int layer_channels_lack(const image *header, const char *layer, char *missing) {
+  *missing = '\0';
+  for (size_t i = 0; i < sizeof letters / sizeof *letters && *layer; i++) {
+    const char *const *set = letters[i];
+    char name[256];
+    int has = 0;
+    if (letter_count(set) < 3 || (**set != 'R' && **set != 'r'))
+      continue;
+    *missing = '\0';
+    for (size_t c = 0; c < 3; c++) {
+      const int length = snprintf(name, sizeof name, "%s.%s", layer, set[c]);
+      if (length < (int)sizeof name && image_find(header, name))
+        has = 1;
+      else if (!*missing)
+        memcpy(missing, name, sizeof name);
+    }
+    if (has && *missing)
+      return 1;
+  }
+  *missing = '\0';
+  return 0;
+}
+
 int layer_channels_take_ending(const image *header, const char *ending, role r,
                                channel_map *out) {
   const size_t length = strlen(ending);

@@ -25,6 +25,10 @@ int layer_channels_take_one(const image *header, const char *name, role r,
 size_t layer_channels_list(const image *header, const char *word, role r,
                            char *text, size_t size);
 
+/* Whether a layer has some of a colour's channels and not all; `missing`, of
+ * 256 characters, receives the first that isn't there, otherwise "". */
+int layer_channels_lack(const image *header, const char *layer, char *missing);
+
 /* The first channel whose name ends in `ending`. */
 int layer_channels_take_ending(const image *header, const char *ending, role r,
                                channel_map *out);

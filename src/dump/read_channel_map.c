@@ -23,9 +23,12 @@ static int take_pass(const image *header, const view_layer *from,
       snprintf(group, sizeof group, "%s%s%s", from->before, pass->pass, eye);
   if (length >= (int)sizeof group)
     return 0;
-  return pass->role == ROLE_ALPHA
-             ? layer_channels_take_alpha(header, group, out)
-             : layer_channels_take(header, group, pass->role, out);
+  const int taken = pass->role == ROLE_ALPHA
+                        ? layer_channels_take_alpha(header, group, out)
+                        : layer_channels_take(header, group, pass->role, out);
+  if (!taken && role_is_colour(pass->role) && !*out->lacks[pass->role])
+    layer_channels_lack(header, group, out->lacks[pass->role]);
+  return taken;
 }
 
 /* Takes the first pass of the list that the file has, for each role. */
@@ -195,9 +198,12 @@ int channel_map_read(const char *path, const image *header,
   take_sources(out);
   out->unnamed = image_find(header, "ch00") != NULL;
   out->is_beauty = is_beauty(out);
-  for (int r = 0; r < ROLE_COUNT && options->gamma >= 0; r++)
-    /* light that is floats is never sRGB */
-    out->gamma[r] = options->gamma && (r == ROLE_ALBEDO || !out->floats[r]);
+  for (int r = 0; r < ROLE_COUNT; r++) {
+    if (options->gamma >= 0) /* light that is floats is never sRGB */
+      out->gamma[r] = options->gamma && (r == ROLE_ALBEDO || !out->floats[r]);
+    if (out->count[r] || out->chosen >> r & 1)
+      *out->lacks[r] = '\0';
+  }
   out->data = out->window = image_data_window(header);
   out->display = image_display_window(header);
   return 0;

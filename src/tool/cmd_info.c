@@ -108,8 +108,12 @@ static void print_range(const gbuffer *g, role r, size_t c) {
 
 /* g: the planes as they are stored. */
 static void print_role(const channel_map *map, const gbuffer *g, role r) {
-  if (!map->count[r] && !(r == ROLE_NORMAL && map->how.from_depth) &&
-      (r != ROLE_COVERAGE || map->how.premultiplied))
+  if (*map->lacks[r]) {
+    printf("  %-10s left out, since there is no ", role_name(r));
+    report_text(map->lacks[r], stdout);
+    printf(": %s\n", cost(r));
+  } else if (!map->count[r] && !(r == ROLE_NORMAL && map->how.from_depth) &&
+             (r != ROLE_COVERAGE || map->how.premultiplied))
     printf("  %-10s not in the file: %s\n", role_name(r), cost(r));
   for (size_t c = 0; c < map->count[r]; c++) {
     printf("  %-10s ", c ? "" : role_name(r));

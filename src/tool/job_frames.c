@@ -134,15 +134,23 @@ static void tell_fitted_camera(const job *j) {
   report_note(first->path, "", text);
 }
 
-/* What of the first frame's file is read otherwise than it says. */
+/* What of the first frame's file is left out or read otherwise than it says. */
 static void tell_reading(const job *j) {
   const job_frame *first = j->frames;
   const channel_map *map = &first->map;
+  char text[512];
   int floats = 0;
   if (j->settings->quiet)
     return;
-  for (int r = 0; r < ROLE_COUNT; r++)
+  for (int r = 0; r < ROLE_COUNT; r++) {
     floats |= role_is_colour((role)r) && map->count[r] && map->floats[r];
+    snprintf(text, sizeof text,
+             "%s is left out, because its layer has no channel %s; all "
+             "channels of it, or --map %s=LAYER, are needed",
+             role_name((role)r), map->lacks[r], role_name((role)r));
+    if (*map->lacks[r])
+      report_note(first->path, "warning: ", text);
+  }
   if (j->settings->source.gamma > 0 && floats)
     report_note(
         first->path, "",

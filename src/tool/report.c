@@ -176,5 +176,7 @@ int report_error(const image_error *error) {
 void report_note(const char *path, const char *kind, const char *what) {
   fputs("hbil: ", stderr);
   report_text(path, stderr);
-  fprintf(stderr, ": %s%s\n", kind, what);
+  fprintf(stderr, ": %s", kind);
+  report_text(what, stderr);
+  fputc('\n', stderr);
 }

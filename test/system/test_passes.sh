@@ -242,10 +242,17 @@ rejected "a pass of another size" '8 x 8 pixels, but .* has 60 x 44' \
 
 # What sRGB is, in files of integers and of floats.
 oiiotool "$one" --ch direct.R,direct.G,direct.B --chnames R,G,B -d uint16 -o "$passes/light.tif"
+oiiotool "$one" --ch depth.Z,normal.X,normal.Y,normal.Z,albedo.R,albedo.B,direct.R,direct.G,direct.B \
+  -o "$passes/lacks_0001.exr"
+cp "$camera" "$passes/lacks_0001.json"
 run "$HBIL" info --colours srgb --map "$map,direct=light.tif" "$passes/frame_0001.exr"
 test $status -eq 0 && grep -q 'direct .*light.tif, sRGB, made linear' "$work/out" &&
   grep -q 'emission.R *[^,]*$' "$work/out"
 ok $? "light in integers can be sRGB, light in floats can't"
+warns "a layer without one of its channels" 'albedo is left out, .* no channel albedo.G; ' \
+  process --dry-run --colours srgb -o "$out" "$passes/lacks_0001.exr"
+grep -q ': --colours srgb: light in floats is taken as linear$' "$work/err"
+ok $? "and which colours are linear"
 # A depth that is longer than the positions say, by less than a pixel and by more.
 for by in 1.003:'(.* pixels), they agree within' 1.045:'they differ: store both'; do
   f=${by%%:*}
