@@ -108,16 +108,25 @@ static int find(const char *frame, const char *beside, const image *header,
       frame);
 }
 
-/* The lens that the user gives replaces the one that was found. */
+/* The lens that the user gives replaces the one that was found, if there was
+ * one, which is told. */
 static void choose_lens(const source_options *o, double width,
-                        camera_file *out) {
+                        frame_camera *v) {
   const double half_degree = 3.14159265358979 / 360;
+  camera_file *out = &v->file;
+  const double x = out->fx, y = out->fy;
   if (o->fov > 0.0f)
     out->fx = out->fy = 0.5 * width / tan(half_degree * (double)o->fov);
   if (o->orthographic > 0.0f)
     out->fx = out->fy = width / (double)o->orthographic;
   if (o->fov > 0.0f || o->orthographic > 0.0f)
     out->orthographic = o->orthographic > 0.0f;
+  if (x > 0.0 && (out->fx != x || out->fy != y))
+    snprintf(v->lens, sizeof v->lens,
+             "%s replaces the lens of the camera (%s): %.5g, %.5g pixels in "
+             "place of %.5g, %.5g",
+             o->fov > 0.0f ? "--fov" : "--orthographic", v->from, out->fx,
+             out->fy, x, y);
 }
 
 /* The camera file of the eye that is read, FRAME.EYE.json, if it exists; else
@@ -187,7 +196,7 @@ int frame_camera_read(const char *frame, const image *header,
     free(json);
   if (failed)
     return -1;
-  choose_lens(options, image_display_window(header).width, &out->file);
+  choose_lens(options, image_display_window(header).width, out);
   return choose_exposure(frame, header, options->exposure, &out->file, error);
 }
 

@@ -16,6 +16,7 @@ typedef struct frame_camera {
   int placed;       /* 1: its position and direction are known */
   int fitted;       /* 1: no file has it; positions tell it (fitted_camera.h) */
   const char *from; /* where it was found, for messages */
+  char lens[160];   /* what --fov or --orthographic replaced; "": nothing */
 } frame_camera;
 
 /* FRAME.json for FRAME.exr; malloc'd, NULL if memory runs out. */
@@ -29,9 +30,9 @@ void camera_file_to_hbil(const camera_file *file, hbil_camera *out);
  * FRAME.EYE.json for an eye of a multi-view file, else FRAME.json, else the
  * header's matrices, else the one that the map's positions tell (also if
  * `override` is "positions"), else the options --fov and --orthographic, which
- * also replace the lens of any other.  *file: NULL before; it becomes the JSON
- * file that was read, malloc'd, if one was (file may be NULL).  Returns 0, or
- * -1 with `error` filled.
+ * also replace the lens of any other (out->lens).  *file: NULL before; it
+ * becomes the JSON file that was read, malloc'd, if one was (file may be NULL).
+ * Returns 0, or -1 with `error` filled.
  */
 int frame_camera_read(const char *frame, const image *header,
                       const channel_map *map, const char *override,

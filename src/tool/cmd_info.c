@@ -187,6 +187,8 @@ static void print_camera(const frame_camera *seen, const channel_map *map) {
          camera->world_from_view[3], camera->world_from_view[7],
          camera->world_from_view[11],
          seen->mirrored ? ", its world mirrored" : "");
+  if (*seen->lens)
+    printf("  lens       %s\n", seen->lens);
   if (map->exposure > 0.0)
     printf("  exposure   %g; results have it, too (--exposure)\n",
            map->exposure);

@@ -158,6 +158,8 @@ static void tell_reading(const job *j) {
             ? "--colours srgb: albedo of floats is taken as sRGB, though "
               "linear is usual, and light in floats as linear"
             : "--colours srgb: light in floats is taken as linear");
+  if (*first->seen.lens)
+    report_note(first->path, "", first->seen.lens);
 }
 
 /* Reads the frame that decides, if it isn't the first one. */

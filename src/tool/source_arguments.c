@@ -125,8 +125,9 @@ const option_row source_rows[SOURCE_ROWS] = {
     {ROW_FLOATS("clip", AT(clip), 2, "NEAR,FAR"), .set = check_clip,
      .help = "clipping planes"},
     {ROW_ABOVE_0("fov", AT(fov), "DEGREES"), .set = check_fov,
-     .help = "angle across the picture's width; also for frames without a "
-             "camera whose normals are in camera space",
+     .help = "angle across the picture's width, in place of the camera's; "
+             "also for frames without a camera whose normals are in camera "
+             "space",
      .relations = {NOT_WITH(AT(orthographic), 0, "whose rays are parallel")}},
     {ROW_ABOVE_0("orthographic", AT(orthographic), "WIDTH"),
      .help =

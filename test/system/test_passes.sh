@@ -53,7 +53,9 @@ warns "a radius that is larger than all" 'metres against centimetres' \
   process --layers ao --radius 5000 --overwrite -o "$work/ray" "$one"
 warns "the camera of another size of lens" '--camera positions' \
   process --layers ao --fov 150 --overwrite -o "$work/ray" "$one"
-warns "mistakes before anything is written" '--depth planar' \
+grep -q ': --fov replaces the lens of the camera (the JSON file beside it): 8.*in place of' "$work/err"
+ok $? "and that --fov replaces its own"
+warns "the same before anything is written" '--depth planar' \
   process --dry-run --depth ray -o "$work/dry" "$one"
 absent "by --dry-run" "$work/dry"
 run process --quiet --layers ao --depth ray --overwrite -o "$work/ray" "$one"

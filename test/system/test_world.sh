@@ -316,7 +316,7 @@ rejected "a view without a camera" 'nowhere.json: camera cannot be read' \
   small --map position= --view "$work/odd/nowhere.exr" -o "$out" "$one"
 rejected "a view whose place is unknown" \
   'nowhere.exr: the place of its camera is unknown (--fov)' \
-  small --fov 60 --map position= --view "$work/odd/nowhere.exr" -o "$out" "$one"
+  small --quiet --fov 60 --map position= --view "$work/odd/nowhere.exr" -o "$out" "$one"
 rejected "a view without indirect light" \
   'no indirect light; --view-light radiance needs' \
   small --view-light radiance --view "$two" -o "$out" "$one"
