@@ -119,7 +119,8 @@ INLINE void search_set(const hbil_gather_args args, const receiver *c,
   }
   for (int v = 0; v < SPAN_VECTORS; ++v) {
     finish_totals(&c[v], &t[v], untouched[v],
-                  (float)(args.slices / SLICE_FRAMES), set[v].value);
+                  (float)(args.slices / SLICE_FRAMES), set[v].value,
+                  set[v].missing);
     set[v].known = TRUE_LANES;
   }
 }
@@ -155,8 +156,8 @@ INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
           (uint)at->y * args.past.row + (uint)at->x;
   for (int v = 0; v < SPAN_VECTORS; ++v) {
     realv value[HBIL_GATHERED_PLANES];
+    join_sets(sets + v, ages, (float)args.slices, value);
     hand_on(args, &c[v], sets + v, at->site, next + v * HBIL_WIDTH);
-    join_sets(sets + v, (float)args.slices, value);
     store_gathered(value, at->site, light + v * HBIL_WIDTH, args.light.plane);
   }
 }

@@ -8,13 +8,10 @@
 
 hbil_status build_ao_search(hbil_plan *plan) {
   ao_search *s = &plan->ao;
-  const bool programs[PROGRAM_COUNT] = {[PROGRAM_GATHER] = true,
-                                        [PROGRAM_GATHER_ALL] =
-                                            plan->layout.slice_frames > 1,
-                                        [PROGRAM_RECOMPOSE] = true};
-  const bool kernels[KERNEL_COUNT] = {[KERNEL_GATHER] = true,
-                                      [KERNEL_GATHER_ALL] = true,
-                                      [KERNEL_RECOMPOSE] = true};
+  const bool programs[PROGRAM_COUNT] = {
+      [PROGRAM_GATHER] = true, [PROGRAM_RECOMPOSE] = true};
+  const bool kernels[KERNEL_COUNT] = {
+      [KERNEL_GATHER] = true, [KERNEL_RECOMPOSE] = true};
   char defines[MOST_DEFINES];
   if (!searches_differ(&plan->config, &s->config))
     return HBIL_SUCCESS;

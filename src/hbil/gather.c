@@ -150,7 +150,7 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
       .disocclusion_threshold = c->history.disocclusion_threshold,
       .exposure = light_exposure(frame->exposure),
       .per_exposure = 1.0f / light_exposure(frame->exposure),
-      .has_past = plan->slices.has};
+      .has_past = plan->slices.has && shares_slices(plan, frame)};
   const hbil_camera *last =
       plan->slices.has ? &plan->slices.camera : &frame->camera;
   args.before = camera_view(last, c);
@@ -163,12 +163,11 @@ static hbil_gather_args gather_args(const hbil_plan *plan,
   return args;
 }
 
-/* Searches horizons with one of the kernels of gather.cl.  Where frames share
- * slices, what this one finds goes to the other of two buffers.  composite
- * makes it the plan's, so that a frame which fails leaves none. */
+/* Launches the search.  Where frames share slices, what this one finds goes to
+ * the other of two buffers.  composite makes it the plan's, so that a frame
+ * which fails leaves none. */
 static hbil_status search(hbil_plan *plan, commands *chain,
-                          const hbil_frame *frame, hbil_gather_args *args,
-                          int kernel) {
+                          const hbil_frame *frame, hbil_gather_args *args) {
   const cl_mem motion = bind_plane(plan, frame, PLANE_MOTION, &args->motion);
   const cl_mem ratios = fall_ratios(frame);
   const hbil_fall_args fall = fall_args(plan, frame);
@@ -185,26 +184,9 @@ static hbil_status search(hbil_plan *plan, commands *chain,
                            ARG(motion),
                            ARG(fall),
                            ARG(ratios)};
-  return LAUNCH(chain, kernel, list, plan->layout.spans,
+  return LAUNCH(chain, KERNEL_GATHER, list, plan->layout.spans,
                 (size_t)plan->layout.split.height,
                 (size_t)plan->layout.pattern.gathered);
-}
-
-/* Gathers all pixels.  rest: this frame may be left out where no light has
- * changed (may_rest()). */
-static hbil_status gather_all(hbil_plan *plan, commands *chain,
-                              const hbil_frame *frame, hbil_gather_args *args,
-                              bool rest) {
-  const bool shares = shares_slices(plan, frame);
-  args->is_static = rest;
-  const hbil_status status =
-      search(plan, chain, frame, args,
-             plan->layout.slice_frames > 1 && !shares ? KERNEL_GATHER_ALL
-                                                      : KERNEL_GATHER);
-  plan->slices.written = shares && status == HBIL_SUCCESS;
-  plan->searched_all = !shares;
-  plan->may_leave_out[HBIL_PASS_GATHER] = rest;
-  return status;
 }
 
 hbil_status enqueue_gather(hbil_plan *plan, commands *chain,
@@ -215,8 +197,13 @@ hbil_status enqueue_gather(hbil_plan *plan, commands *chain,
   if (rest && !plan->layout.history)
     return leave_out(plan, HBIL_PASS_GATHER);
   hbil_gather_args args = gather_args(plan, frame, &view, &pattern);
+  const bool shares = shares_slices(plan, frame);
+  args.is_static = rest;
   hbil_status status = make_patterns(plan, chain, frame, &view);
   if (status == HBIL_SUCCESS)
-    status = gather_all(plan, chain, frame, &args, rest);
+    status = search(plan, chain, frame, &args);
+  plan->slices.written = shares && status == HBIL_SUCCESS;
+  plan->searched_all = !shares;
+  plan->may_leave_out[HBIL_PASS_GATHER] = rest;
   return status == HBIL_SUCCESS ? enqueue_estimate(plan, chain, frame) : status;
 }

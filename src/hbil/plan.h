@@ -21,10 +21,7 @@
   X(PROGRAM_LAYERS, "layers", true, .relaxed = false)                          \
   X(PROGRAM_SPLIT, "split", true, .relaxed = false)                            \
   X(PROGRAM_ESTIMATE, "estimate", l->estimate, .relaxed = false)               \
-  X(PROGRAM_GATHER, "gather", true, .relaxed = true,                           \
-    .defines = "-DALL_SLICES=0", .registers = 64)                              \
-  X(PROGRAM_GATHER_ALL, "gather", l->slice_frames > 1, .relaxed = true,        \
-    .defines = "-DALL_SLICES=1", .registers = 64)                              \
+  X(PROGRAM_GATHER, "gather", true, .relaxed = true, .registers = 64)          \
   X(PROGRAM_RECOMPOSE, "recompose", true, .relaxed = true)                     \
   X(PROGRAM_PROBE_RAYS, "cache/probe_rays", method == HBIL_CACHE_METHOD_RAYS,  \
     .relaxed = true)                                                           \
@@ -64,7 +61,6 @@
   X(KERNEL_ESTIMATE_FILL, "estimate_fill", PROGRAM_ESTIMATE, true)             \
   X(KERNEL_PATTERN, "make_pattern", PROGRAM_LAYERS, true)                      \
   X(KERNEL_GATHER, "gather", PROGRAM_GATHER, true)                             \
-  X(KERNEL_GATHER_ALL, "gather", PROGRAM_GATHER_ALL, true)                     \
   X(KERNEL_RECOMPOSE, "recompose", PROGRAM_RECOMPOSE, true)                    \
   X(KERNEL_PROBE_RAYS, "probe_rays", PROGRAM_PROBE_RAYS, true)                 \
   X(KERNEL_PROBE_CONES, "probe_cones", PROGRAM_PROBE_CONES, true)              \
