@@ -6,7 +6,10 @@
  * their means join the voxel's; light that has changed replaces its light.  If
  * the view shows only what is behind it, the voxel is empty.  A voxel that
  * holds a surface is empty only if the view looks through that surface and all
- * around it.  If something is in front of it, nothing is learnt.
+ * around it.  If something is in front of it, nothing is learnt.  Where a
+ * view shows a plane beside the voxel alone, because it is hidden in the voxel,
+ * other light is no change: a floor that goes on behind a wall may have other
+ * light there.
  *
  * Launch: x = words of a row of voxels, y = rows, z = slices, of all levels.
  * In: texels (cache/view.cl).  In and out: states, voxels.  Out: what new
@@ -20,6 +23,7 @@
 /* The texels around a voxel's place in the view, and what they have shown. */
 typedef struct shown {
   float surfaces;
+  bool in_sight; /* any of them */
   int taps, behind, sky;
   float3 normal, reflectance, sent;
   float3 last; /* normal */
@@ -43,6 +47,45 @@ INLINE float3 shown_point(const hbil_cache_inject_args args, int x, int y,
                z));
 }
 
+/* Whether the plane of normal n through a point crosses a voxel; to: the point,
+ * from the voxel's centre. */
+INLINE bool crosses(float3 n, float3 to, float size) {
+  const float3 lean = fabs(n);
+  return fabs(dot(n, to)) <= 0.5f * size * (lean.x + lean.y + lean.z);
+}
+
+/* The texel of a point, and its depth.  false: it has no place in the view. */
+INLINE bool texel_of(const hbil_cache_inject_args args, float3 p, float size,
+                     int *x, int *y, float *depth) {
+  const hbil_view_args view = args.view;
+  const float3 q = transformed(args.to_view, p);
+  const float shrink = ORTHOGRAPHIC ? 1.0f : 1.0f / q.z;
+  const float px = fma(view.fx * q.x, shrink, view.cx);
+  const float py = fma(view.fy * q.y, shrink, view.cy);
+  *x = (int)px;
+  *y = (int)py;
+  *depth = q.z;
+  return (ORTHOGRAPHIC || q.z > 0.3f * size) && px >= 0.0f && py >= 0.0f &&
+         px < (float)view.width && py < (float)view.height;
+}
+
+/* Whether the view has nothing in front of a place of a surface in a voxel but
+ * planes that cross the voxel, too. */
+INLINE bool is_in_sight(const hbil_cache_inject_args args,
+                        global const uint *texels, float3 p, float3 centre,
+                        float size) {
+  int x, y;
+  float depth;
+  if (!texel_of(args, p, size, &x, &y, &depth))
+    return true;
+  const uint4 texel =
+      vload4((size_t)y * (size_t)args.view.width + (size_t)x, texels);
+  const float z = as_float(texel.x);
+  return !(z > 0.0f) || z >= depth ||
+         crosses(normal_of_word(texel.y), shown_point(args, x, y, z) - centre,
+                 size);
+}
+
 /* A surface is in the voxel if its point is less than a voxel from the centre
  * along each axis, and its plane crosses the voxel. */
 INLINE void look(const hbil_cache_inject_args args, global const uint *texels,
@@ -59,9 +102,12 @@ INLINE void look(const hbil_cache_inject_args args, global const uint *texels,
   }
   const float3 to = shown_point(args, x, y, z) - centre, off = fabs(to);
   if (max(off.x, max(off.y, off.z)) <= size) {
-    const float3 n = normal_of_word(texel.y), lean = fabs(n);
+    const float3 n = normal_of_word(texel.y);
     const float along = dot(n, to);
-    if (fabs(along) <= 0.5f * size * (lean.x + lean.y + lean.z)) {
+    if (crosses(n, to, size)) {
+      s->in_sight = s->in_sight ||
+                    max(off.x, max(off.y, off.z)) <= HBIL_CACHE_INSIDE * size ||
+                    is_in_sight(args, texels, centre + n * along, centre, size);
       s->surfaces += 1.0f;
       s->normal += n;
       s->last = n;
@@ -125,7 +171,8 @@ INLINE void add_surface(global float *voxel, bool is_new, int finished,
   vstore4(plane, 0, voxel + HBIL_VOXEL_NORMAL);
   vstore4((float4)(joined(surface.xyz, s->reflectance * inv, share), views), 0,
           voxel + HBIL_VOXEL_REFLECTANCE);
-  const bool like = finished ? light.w < 0.0f : light.w > 0.0f;
+  const bool like =
+      s->in_sight && (finished ? light.w <= -1.0f : light.w >= 1.0f);
   voxel[HBIL_VOXEL_BEFORE] = with_view(before, like, light.xyz);
   /* finished radiance replaces light of the first bounce, never the other way
    * round */
@@ -135,8 +182,10 @@ INLINE void add_surface(global float *voxel, bool is_new, int finished,
       (finished && light.w > 0.0f) || is_other_light(light.xyz, sent);
   const float count =
       anew ? 1.0f : min(fabs(light.w) + 1.0f, HBIL_CACHE_MOST_VIEWS);
+  const float weight =
+      !s->in_sight && fabs(light.w) < 1.0f ? HBIL_CACHE_NOT_IN_SIGHT : count;
   vstore4((float4)(joined(light.xyz, sent, 1.0f / count),
-                   finished ? -count : count),
+                   finished ? -weight : weight),
           0, voxel + HBIL_VOXEL_SENT);
 }
 
@@ -152,27 +201,22 @@ INLINE bool looks_through(const hbil_cache_inject_args args,
   const float4 plane = vload4(0, voxel + HBIL_VOXEL_NORMAL);
   const float3 n = plane.xyz * (1.0f / sqrt(dot(plane.xyz, plane.xyz)));
   const float3 p = centre + n * plane.w;
-  const float3 q = transformed(args.to_view, p);
-  if (!ORTHOGRAPHIC && !(q.z > 0.3f * size))
-    return false;
-  const float shrink = ORTHOGRAPHIC ? 1.0f : 1.0f / q.z;
-  const float px = fma(view.fx * q.x, shrink, view.cx);
-  const float py = fma(view.fy * q.y, shrink, view.cy);
-  if (!(px >= 0.0f && py >= 0.0f && px < (float)view.width &&
-        py < (float)view.height))
+  int column, row;
+  float depth;
+  if (!texel_of(args, p, size, &column, &row, &depth))
     return false;
   *sky = true;
-  for (int y = max((int)py - around, 0);
-       y <= min((int)py + around, view.height - 1); ++y)
-    for (int x = max((int)px - around, 0);
-         x <= min((int)px + around, view.width - 1); ++x) {
+  for (int y = max(row - around, 0); y <= min(row + around, view.height - 1);
+       ++y)
+    for (int x = max(column - around, 0);
+         x <= min(column + around, view.width - 1); ++x) {
       const float z =
           as_float(texels[HBIL_TEXEL_WORDS *
                           ((size_t)y * (size_t)view.width + (size_t)x)]);
       if (!(z > 0.0f))
         continue;
       *sky = false;
-      if (!(z > q.z + size) ||
+      if (!(z > depth + size) ||
           fabs(dot(n, shown_point(args, x, y, z) - p)) < size)
         return false;
     }
@@ -192,8 +236,8 @@ INLINE uint inject_voxel(const hbil_cache_inject_args args,
                (float)HBIL_CACHE_FOOTPRINT);
   const int step = max(reach, 1), most = reach > 0;
   shown s = {
-      0.0f,           0,   0, 0, (float3)(0.0f), (float3)(0.0f), (float3)(0.0f),
-      (float3)(0.0f), 0.0f};
+      0.0f,           false,          0,   0, 0, (float3)(0.0f), (float3)(0.0f),
+      (float3)(0.0f), (float3)(0.0f), 0.0f};
   for (int j = -most; j <= most; ++j)
     for (int i = -most; i <= most; ++i) {
       const int tx = x + i * step, ty = y + j * step;

@@ -86,6 +86,13 @@ enum { HBIL_CACHE_REGIONS_ACROSS = 4, HBIL_CACHE_REGIONS = 64 };
 /* The outermost texel that a view's footprint of a voxel reaches. */
 #define HBIL_CACHE_FOOTPRINT 3
 
+/* What is farther from a voxel's centre, along an axis, is beside the voxel; in
+ * voxels.  Points of a plane between two voxels are in both of them. */
+#define HBIL_CACHE_INSIDE 0.51f
+/* The weight of light that no view has shown in the voxel, but beside it: below
+ * 1, which light needs to count as changed. */
+#define HBIL_CACHE_NOT_IN_SIGHT 0.99f
+
 /* Parts of the sums over the cache. */
 #define HBIL_CACHE_PARTS 64
 

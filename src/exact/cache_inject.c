@@ -28,6 +28,7 @@ static void decide_floor(decisions *d, double value) {
 /* What the texels around a voxel's place have shown. */
 typedef struct shown {
   int surfaces, taps, behind, sky;
+  bool in_sight; /* any of the surfaces */
   vec3 normal, last;
   double offset, reflectance[3], sent[3];
 } shown;
@@ -59,6 +60,52 @@ static vec3 point_of(const exact_cache *cache, const exact_cache_view *view,
   return exact_cache_from_world(cache, to_world(c, p));
 }
 
+/* The texel of a place of cache space, and the place's depth in voxels. */
+static bool texel_of(const exact_cache *cache, const exact_cache_view *view,
+                     vec3 p, double size, decisions *d, int *x, int *y,
+                     double *depth) {
+  const hbil_camera *c = &view->camera;
+  const vec3 q = to_view(c, exact_cache_to_world(cache, p));
+  const double stride = view->stride;
+  *depth = q.z / cache->voxel_size;
+  if (!view->orthographic && !decide(d, *depth - 0.3 * size))
+    return false;
+  const double shrink = view->orthographic ? 1.0 : 1.0 / q.z;
+  const double px = (c->fx * q.x * shrink + c->cx - 0.5) / stride + 0.5;
+  const double py = (c->fy * q.y * shrink + c->cy - 0.5) / stride + 0.5;
+  if (!decide(d, px) || !decide(d, py) || decide(d, px - view->width) ||
+      decide(d, py - view->height))
+    return false;
+  decide_floor(d, px);
+  decide_floor(d, py);
+  *x = (int)px;
+  *y = (int)py;
+  return true;
+}
+
+/* Whether the plane of normal n through a point crosses a voxel; to: the point,
+ * from the voxel's centre. */
+static bool crosses(vec3 n, vec3 to, double size, decisions *d) {
+  return decide(d, 0.5 * size * (fabs(n.x) + fabs(n.y) + fabs(n.z)) -
+                       fabs(vec_dot(n, to)));
+}
+
+/* Whether the view has nothing in front of a place of a surface in a voxel but
+ * planes that cross the voxel, too. */
+static bool is_in_sight(const exact_cache *cache, const exact_cache_view *view,
+                        vec3 p, vec3 centre, double size, decisions *d) {
+  int x, y;
+  double depth;
+  if (!texel_of(cache, view, p, size, d, &x, &y, &depth))
+    return true;
+  const exact_texel *t = view->texel + (size_t)y * (size_t)view->width + x;
+  if (!(t->depth > 0.0))
+    return true;
+  /* what shows the plane itself crosses the voxel, at any depth */
+  const vec3 to = vec_add(point_of(cache, view, x, y, t->depth), -1.0, centre);
+  return crosses(t->normal, to, size, d) || decide(d, t->depth - depth);
+}
+
 static void look(const exact_cache *cache, const exact_cache_view *view, int x,
                  int y, vec3 centre, double depth, double size, decisions *d,
                  shown *s) {
@@ -74,8 +121,10 @@ static void look(const exact_cache *cache, const exact_cache_view *view, int x,
   if (decide(d, size - most)) {
     const vec3 n = t->normal;
     const double along = vec_dot(n, to);
-    if (decide(d, 0.5 * size * (fabs(n.x) + fabs(n.y) + fabs(n.z)) -
-                      fabs(along))) {
+    if (crosses(n, to, size, d)) {
+      s->in_sight =
+          s->in_sight || decide(d, (double)HBIL_CACHE_INSIDE * size - most) ||
+          is_in_sight(cache, view, vec_add(centre, along, n), centre, size, d);
       ++s->surfaces;
       s->normal = vec_add(s->normal, 1.0, n);
       s->last = n;
@@ -164,16 +213,20 @@ static void add_surface(exact_voxel *voxel, bool finished, const shown *s,
     v[HBIL_VOXEL_OFFSET] = s->offset / s->surfaces;
   }
   double *weight = v + HBIL_VOXEL_LIGHT_WEIGHT;
+  const double held = fabs(*weight);
   v[HBIL_VOXEL_BEFORE] =
-      with_view(v[HBIL_VOXEL_BEFORE], finished ? *weight < 0.0 : *weight > 0.0,
+      with_view(v[HBIL_VOXEL_BEFORE],
+                s->in_sight && held >= 1.0 && finished == (*weight < 0.0),
                 v + HBIL_VOXEL_SENT);
   if (*weight < 0.0 && !finished)
     return;
   if ((*weight > 0.0 && finished) || is_other_light(v + HBIL_VOXEL_SENT, s, d))
     *weight = 0.0;
-  const double views = fmin(fabs(*weight) + 1.0, most);
+  double views = fmin(fabs(*weight) + 1.0, most);
   for (int c = 0; c < 3; ++c)
     join(v + HBIL_VOXEL_SENT + c, s->sent[c] / s->surfaces, 1.0 / views);
+  if (!s->in_sight && held < 1.0)
+    views = (double)HBIL_CACHE_NOT_IN_SIGHT;
   *weight = finished ? -views : views;
 }
 
@@ -187,24 +240,11 @@ typedef struct footprint {
 static bool find_footprint(const exact_cache *cache,
                            const exact_cache_view *view, vec3 centre,
                            double size, decisions *d, footprint *f) {
-  const hbil_camera *c = &view->camera;
-  const vec3 q = to_view(c, exact_cache_to_world(cache, centre));
-  const double shrink = view->orthographic ? 1.0 : 1.0 / q.z;
-  f->depth = q.z / cache->voxel_size;
-  if (!view->orthographic && !decide(d, f->depth - 0.3 * size))
-    return false;
-  const double stride = view->stride;
-  const double px = (c->fx * q.x * shrink + c->cx - 0.5) / stride + 0.5;
-  const double py = (c->fy * q.y * shrink + c->cy - 0.5) / stride + 0.5;
-  if (!decide(d, px) || !decide(d, py) || decide(d, px - view->width) ||
-      decide(d, py - view->height))
+  if (!texel_of(cache, view, centre, size, d, &f->x, &f->y, &f->depth))
     return false;
   const double across =
-      0.5 * c->fx / stride * size * cache->voxel_size * shrink;
-  f->x = (int)px;
-  f->y = (int)py;
-  decide_floor(d, px);
-  decide_floor(d, py);
+      0.5 * view->camera.fx / view->stride * size *
+      (view->orthographic ? cache->voxel_size : 1.0 / f->depth);
   if (across < HBIL_CACHE_FOOTPRINT + 0.5)
     decide_floor(d, across);
   const int reach = (int)fmin(across, HBIL_CACHE_FOOTPRINT);
@@ -220,26 +260,17 @@ static bool looks_through(const exact_cache *cache,
                           const exact_voxel *voxel, vec3 centre, double size,
                           int around, decisions *d, bool *sky) {
   const double *v = voxel->value;
-  const hbil_camera *c = &view->camera;
   const vec3 plane = vec(v[HBIL_VOXEL_NORMAL], v[HBIL_VOXEL_NORMAL + 1],
                          v[HBIL_VOXEL_NORMAL + 2]);
   const vec3 n = vec_scale(1.0 / sqrt(vec_dot(plane, plane)), plane);
   const vec3 p = vec_add(centre, v[HBIL_VOXEL_OFFSET], n);
-  const vec3 q = to_view(c, exact_cache_to_world(cache, p));
-  const double depth = q.z / cache->voxel_size, stride = view->stride;
-  if (!view->orthographic && !decide(d, depth - 0.3 * size))
+  int column, row;
+  double depth;
+  if (!texel_of(cache, view, p, size, d, &column, &row, &depth))
     return false;
-  const double shrink = view->orthographic ? 1.0 : 1.0 / q.z;
-  const double px = (c->fx * q.x * shrink + c->cx - 0.5) / stride + 0.5;
-  const double py = (c->fy * q.y * shrink + c->cy - 0.5) / stride + 0.5;
-  if (!decide(d, px) || !decide(d, py) || decide(d, px - view->width) ||
-      decide(d, py - view->height))
-    return false;
-  decide_floor(d, px);
-  decide_floor(d, py);
   *sky = true;
-  for (int y = (int)py - around; y <= (int)py + around; ++y)
-    for (int x = (int)px - around; x <= (int)px + around; ++x) {
+  for (int y = row - around; y <= row + around; ++y)
+    for (int x = column - around; x <= column + around; ++x) {
       if (x < 0 || y < 0 || x >= view->width || y >= view->height)
         continue;
       const double z = view->texel[(size_t)y * (size_t)view->width + x].depth;

@@ -14,6 +14,22 @@ static double mean_far_light(const exact_planes *out) {
   return sum / (ROOM_WIDTH * ROOM_HEIGHT);
 }
 
+/* The light from a cache that a frame has which shows a room `x` away. */
+static double light_from(hbil_cache *cache, const room *r, double x) {
+  const hbil_camera camera =
+      room_camera(eye, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
+  setup s;
+  room_setup(&s, r, &camera, ROOM_WIDTH, ROOM_HEIGHT);
+  s.frame.camera.world_from_view[3] += x;
+  setup_start(&s);
+  s.frame.cache = cache;
+  exact_planes out = room_outputs(&s);
+  const double light = mean_far_light(&out);
+  exact_planes_free(&out);
+  setup_free(&s);
+  return light;
+}
+
 /* The frame's light from a cache that has seen these rooms one after another,
  * each in six views. */
 typedef struct found {
@@ -22,27 +38,17 @@ typedef struct found {
 } found;
 
 static found cache_of_rooms(const room *rooms, int count) {
-  const room *last = rooms + count - 1;
-  const hbil_camera camera =
-      room_camera(eye, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
   hbil_cache *cache = room_cache(&shared_device);
   found f = {0.0, 0};
-  setup s;
   for (int i = 0; i < count; ++i) {
     hbil_view views[WALLS];
-    room_views(&shared_device, rooms + i, room_middle, 64, HBIL_VIEW_DIRECT,
+    room_views(&shared_device, rooms + i, room_middle, 96, HBIL_VIEW_DIRECT,
                views);
     room_inject(&shared_device, cache, views, WALLS, 0);
     room_views_free(views, WALLS);
   }
   f.surfaces = room_statistics(&shared_device, cache).surfaces;
-  room_setup(&s, last, &camera, ROOM_WIDTH, ROOM_HEIGHT);
-  setup_start(&s);
-  s.frame.cache = cache;
-  exact_planes out = room_outputs(&s);
-  f.far_light = mean_far_light(&out);
-  exact_planes_free(&out);
-  setup_free(&s);
+  f.far_light = light_from(cache, rooms + count - 1, 0.0);
   hbil_cache_destroy(cache);
   return f;
 }
@@ -98,25 +104,15 @@ static void what_is_not_seen_follows_what_is(void **state) {
       } else if (w == RIGHT)
         after.direct[w] *= 3.0f;
     hbil_cache *cache = room_cache(&shared_device);
-    const hbil_camera camera =
-        room_camera(eye, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
     room_views(&shared_device, &before, room_middle, 64, HBIL_VIEW_DIRECT,
                views);
     room_views(&shared_device, &after, room_middle, 64, HBIL_VIEW_DIRECT,
                later);
     room_inject(&shared_device, cache, views, WALLS, 0);
-    for (int i = 0; i < 2; ++i) {
-      setup s;
-      if (i) /* all but the lit wall behind and the dark one ahead */
-        room_inject(&shared_device, cache, later, BEHIND, 0);
-      room_setup(&s, &before, &camera, ROOM_WIDTH, ROOM_HEIGHT);
-      setup_start(&s);
-      s.frame.cache = cache;
-      exact_planes out = room_outputs(&s);
-      light[i] = mean_far_light(&out);
-      exact_planes_free(&out);
-      setup_free(&s);
-    }
+    light[0] = light_from(cache, &before, 0.0);
+    /* all but the lit wall behind and the dark one ahead */
+    room_inject(&shared_device, cache, later, BEHIND, 0);
+    light[1] = light_from(cache, &before, 0.0);
     check_at_most("light, of that before", light[1] / light[0],
                   all ? 0.4 : 1.2);
     assert_true(all || light[1] > 0.85 * light[0]); /* measured: .92 */
@@ -124,6 +120,33 @@ static void what_is_not_seen_follows_what_is(void **state) {
     room_views_free(later, WALLS);
     hbil_cache_destroy(cache);
   }
+}
+
+/* A lit room next to a dark one, with a wall of half a voxel between them,
+ * which is between two voxels: views of the dark one tell nothing of the lit
+ * one, though they show floors that go on behind the wall.  Measured: .6 %, and
+ * 21 % if these count. */
+static void rooms_behind_a_wall_are_apart(void **state) {
+  room rooms[2] = {room_lit(), room_dark()};
+  hbil_cache *cache = room_cache(&shared_device);
+  double light[2];
+  (void)state;
+  rooms->direct[FLOOR] = rooms->direct[CEILING] = rooms->direct[AHEAD] = 2.0f;
+  for (int i = 0; i < 2; ++i) {
+    hbil_view views[WALLS];
+    const double away = rooms[i].half[0] + 0.25 * ROOM_VOXEL;
+    rooms[i].half[1] = 1.8;
+    rooms[i].half[2] = 2.6;
+    room_views(&shared_device, rooms + i, room_middle, 64, HBIL_VIEW_DIRECT,
+               views);
+    for (int w = 0; w < WALLS; ++w)
+      views[w].camera.world_from_view[3] += i ? away : -away;
+    room_inject(&shared_device, cache, views, WALLS, 0);
+    room_views_free(views, WALLS);
+    light[i] = light_from(cache, rooms, -rooms->half[0] - 0.25 * ROOM_VOXEL);
+  }
+  check_at_most("change of light", fabs(light[1] / light[0] - 1.0), 0.02);
+  hbil_cache_destroy(cache);
 }
 
 /* A cache that has seen all of a room. */
@@ -231,6 +254,7 @@ int main(void) {
       cmocka_unit_test(what_has_moved_away_is_gone),
       cmocka_unit_test(other_light_counts_at_once),
       cmocka_unit_test(what_is_not_seen_follows_what_is),
+      cmocka_unit_test(rooms_behind_a_wall_are_apart),
       cmocka_unit_test(what_is_told_needs_no_view),
       cmocka_unit_test(what_is_told_reaches_what_frames_hand_on),
       cmocka_unit_test(noise_is_averaged)};

@@ -191,10 +191,12 @@ static void check_change(cl_uint width, float factor, double part, int views,
   exact_cache cache = filled(&f, width, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
   cache_inject(&f, &s, HBIL_VIEW_DIRECT);
   cache_update(&f, &none);
-  for (int k = EXACT_DIRECT; k < EXACT_DIRECT + 3; ++k)
+  for (int k = 0; k < 3; ++k)
     for (size_t i = 0; i < setup_pixels(&s); ++i)
-      if ((double)(i % s.config.width) < part * (double)s.config.width)
-        s.input[k][i] *= factor;
+      if ((double)(i % s.config.width) < part * (double)s.config.width) {
+        s.input[EXACT_DIRECT + k][i] *= factor;
+        s.input[EXACT_EMISSION + k][i] *= factor;
+      }
   setup_upload(&s);
   for (int i = 0; i < views; ++i)
     cache_inject(&f, &s, HBIL_VIEW_DIRECT);
