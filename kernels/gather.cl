@@ -157,6 +157,8 @@ INLINE void gather_shared(const hbil_gather_args args, const receiver *c,
   for (int v = 0; v < SPAN_VECTORS; ++v) {
     realv value[HBIL_GATHERED_PLANES];
     join_sets(sets + v, ages, (float)args.slices, value);
+    if (!args.has_past) /* all pixels have all slices, and count the same */
+      value[HBIL_LIGHT_WEIGHT] = 1.0f;
     hand_on(args, &c[v], sets + v, at->site, next + v * HBIL_WIDTH);
     store_gathered(value, at->site, light + v * HBIL_WIDTH, args.light.plane);
   }

@@ -40,7 +40,8 @@ def test_layers_on_request(room, lit):
         assert found[name].shape[2:] == (() if channels == 1 else (channels,))
         # all channels of all pixels are written
         assert (found[name].reshape(-1, channels) != 0).mean(0).min() > 0.5, name
-    np.testing.assert_array_equal(found["ao"], lit["ao"])
+    # plans with glossy add up slices in another order
+    np.testing.assert_allclose(found["ao"], lit["ao"], atol=2e-5)
 
 
 def test_same_bits_again_and_after_another_picture(room, lit):
