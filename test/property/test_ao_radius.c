@@ -112,9 +112,8 @@ static exact_planes run(setup *s) {
 /* Occlusion is that of a frame whose near field reaches as far.  The default
  * with both radii, other kinds with one of them in turn: kernels take long to
  * compile. */
-static void it_counts_within_ao_radius(void **state) {
+TEST(it_counts_within_ao_radius) {
   static const float radii[] = {INFINITY, 1.0f};
-  (void)state;
   for (size_t i = 0; i < COUNT(kinds); ++i)
     for (size_t k = 0; k < COUNT(radii); ++k) {
       if (i && i % 2 != k)
@@ -140,8 +139,7 @@ static void it_counts_within_ao_radius(void **state) {
 
 /* Light has the bits that it has where nobody asks for occlusion, or for that
  * of the near field. */
-static void light_does_not_depend_on_it(void **state) {
-  (void)state;
+TEST(light_does_not_depend_on_it) {
   for (size_t i = 0; i < 2; ++i) {
     setup alone, both;
     prepare(&alone, kinds + i);
@@ -168,8 +166,7 @@ static void light_does_not_depend_on_it(void **state) {
 
 /* Where no light is shown there is one search, that of the outputs: with the
  * memory and the bits of a plan whose radius it is. */
-static void occlusion_alone_has_one_search(void **state) {
-  (void)state;
+TEST(occlusion_alone_has_one_search) {
   for (int mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_GTAO; ++mode) {
     setup s[2];
     exact_planes out[2];
@@ -196,9 +193,8 @@ static void occlusion_alone_has_one_search(void **state) {
 }
 
 /* A second search takes memory only where it is made. */
-static void memory_is_taken_where_needed(void **state) {
+TEST(memory_is_taken_where_needed) {
   setup s;
-  (void)state;
   prepare(&s, kinds);
   const size_t one = setup_memory(&s);
   s.config.model.radius = s.config.model.ao_radius = NEAR;
@@ -212,10 +208,9 @@ static void memory_is_taken_where_needed(void **state) {
 }
 
 /* GTAO: far light goes through the near field's cone. */
-static void gtao_has_both(void **state) {
+TEST(gtao_has_both) {
   setup s[3];
   exact_planes out[3];
-  (void)state;
   for (int i = 0; i < 3; ++i) {
     prepare(s + i, kinds);
     setup_mode(s + i, HBIL_MODE_GTAO);
@@ -235,10 +230,9 @@ static void gtao_has_both(void **state) {
 }
 
 /* HBAO counts within `radius`. */
-static void hbao_has_none(void **state) {
+TEST(hbao_has_none) {
   setup s[2];
   exact_planes out[2];
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     prepare(s + i, kinds);
     setup_mode(s + i, HBIL_MODE_HBAO);
@@ -269,8 +263,7 @@ static void run_frame(setup *s, cl_uint i, bool pass_by_pass) {
 /* Frames in a row: with slices that they share, static, and pass by
  * pass.  The second plan has two searches, the
  * others one, whose occlusion and whose light it has. */
-static void sequences_agree(void **state) {
-  (void)state;
+TEST(sequences_agree) {
   for (cl_uint frames = 1; frames <= 3; frames += 2) {
     setup s[3];
     exact_planes out[3];
@@ -308,8 +301,7 @@ static void prepare_pair(lit_frame *with, setup *without) {
 
 /* A radiance cache, with the settings that hbil_config_use_cache() gives; the
  * default model. */
-static void a_cache_changes_nothing(void **state) {
-  (void)state;
+TEST(a_cache_changes_nothing) {
   for (int storage = HBIL_STORAGE_PACKED; storage <= HBIL_STORAGE_FLOAT32;
        ++storage) {
     lit_frame l;
@@ -339,8 +331,7 @@ static void a_cache_changes_nothing(void **state) {
 
 /* Near light beside a cache has three fifths of the steps, unless ao has the
  * same search. */
-static void near_light_has_fewer_steps(void **state) {
-  (void)state;
+TEST(near_light_has_fewer_steps) {
   for (int shared = 0; shared < 2; ++shared) {
     lit_frame l;
     setup without;
@@ -364,15 +355,5 @@ static void near_light_has_fewer_steps(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(near_light_has_fewer_steps),
-      cmocka_unit_test(it_counts_within_ao_radius),
-      cmocka_unit_test(light_does_not_depend_on_it),
-      cmocka_unit_test(occlusion_alone_has_one_search),
-      cmocka_unit_test(memory_is_taken_where_needed),
-      cmocka_unit_test(gtao_has_both),
-      cmocka_unit_test(hbao_has_none),
-      cmocka_unit_test(sequences_agree),
-      cmocka_unit_test(a_cache_changes_nothing)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -56,9 +56,8 @@ static found cache_of_rooms(const room *rooms, int count) {
 /* Walls move away by a good four voxels: in their place is nothing, and what
  * they hid is seen.  Some voxels at their edges remain (measured: 4 % of light,
  * 5 % of surfaces; if what is in a voxel stayed, 57 % and 23 %). */
-static void what_has_moved_away_is_gone(void **state) {
+TEST(what_has_moved_away_is_gone) {
   room rooms[2] = {room_lit(), room_lit()};
-  (void)state;
   rooms[0].half[2] = 1.2;
   rooms[0].direct[BEHIND] = 0.0f;
   const found got = cache_of_rooms(rooms, 2);
@@ -70,8 +69,7 @@ static void what_has_moved_away_is_gone(void **state) {
 }
 
 /* A lamp that goes down to a fifth, and one that comes up to five times. */
-static void other_light_counts_at_once(void **state) {
-  (void)state;
+TEST(other_light_counts_at_once) {
   for (int up = 0; up < 2; ++up) {
     room rooms[5];
     for (int i = 0; i < 5; ++i) {
@@ -90,8 +88,7 @@ static void other_light_counts_at_once(void **state) {
 
 /* A lamp goes out while the wall that it lights is not in view: that wall
  * follows the others.  It doesn't if one of them becomes brighter. */
-static void what_is_not_seen_follows_what_is(void **state) {
-  (void)state;
+TEST(what_is_not_seen_follows_what_is) {
   for (int all = 0; all < 2; ++all) {
     const room before = room_lit();
     room after = before;
@@ -126,11 +123,10 @@ static void what_is_not_seen_follows_what_is(void **state) {
  * which is between two voxels: views of the dark one tell nothing of the lit
  * one, though they show floors that go on behind the wall.  Measured: .6 %, and
  * 21 % if these count. */
-static void rooms_behind_a_wall_are_apart(void **state) {
+TEST(rooms_behind_a_wall_are_apart) {
   room rooms[2] = {room_lit(), room_dark()};
   hbil_cache *cache = room_cache(&shared_device);
   double light[2];
-  (void)state;
   rooms->direct[FLOOR] = rooms->direct[CEILING] = rooms->direct[AHEAD] = 2.0f;
   for (int i = 0; i < 2; ++i) {
     hbil_view views[WALLS];
@@ -170,7 +166,7 @@ static void forget_all_light(setup *s, hbil_cache *cache) {
 
 /* The caller says that the lamps are off, while only a dark wall is in view:
  * the frame's light is that of a room without lamps. */
-static void what_is_told_needs_no_view(void **state) {
+TEST(what_is_told_needs_no_view) {
   const room before = room_lit();
   const hbil_camera camera =
       room_camera(eye, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
@@ -178,7 +174,6 @@ static void what_is_told_needs_no_view(void **state) {
   hbil_cache *cache = cache_of(&before, views);
   double light[2];
   setup s;
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     room_setup(&s, &before, &camera, ROOM_WIDTH, ROOM_HEIGHT);
     setup_start(&s);
@@ -198,7 +193,7 @@ static void what_is_told_needs_no_view(void **state) {
 
 /* The light that the last frame hands on, and that of the slices that both
  * share, is forgotten with that of the cache, so no corner glows. */
-static void what_is_told_reaches_what_frames_hand_on(void **state) {
+TEST(what_is_told_reaches_what_frames_hand_on) {
   const room lit = room_lit();
   const hbil_camera camera =
       room_camera(eye, BEHIND, ROOM_WIDTH, ROOM_HEIGHT, 120.0);
@@ -206,7 +201,6 @@ static void what_is_told_reaches_what_frames_hand_on(void **state) {
   hbil_cache *cache = cache_of(&lit, views);
   double light[3];
   setup s;
-  (void)state;
   room_setup(&s, &lit, &camera, ROOM_WIDTH, ROOM_HEIGHT);
   s.config.outputs.indirect = three_floats;
   s.config.history.reprojection = HBIL_REPROJECTION_CAMERA;
@@ -234,9 +228,8 @@ static void what_is_told_reaches_what_frames_hand_on(void **state) {
 }
 
 /* What changes by less is noise: a mean over five views. */
-static void noise_is_averaged(void **state) {
+TEST(noise_is_averaged) {
   room rooms[5];
-  (void)state;
   for (int i = 0; i < 5; ++i) {
     rooms[i] = room_lit();
     for (int w = 0; w < WALLS && i == 4; ++w) {
@@ -250,13 +243,5 @@ static void noise_is_averaged(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(what_has_moved_away_is_gone),
-      cmocka_unit_test(other_light_counts_at_once),
-      cmocka_unit_test(what_is_not_seen_follows_what_is),
-      cmocka_unit_test(rooms_behind_a_wall_are_apart),
-      cmocka_unit_test(what_is_told_needs_no_view),
-      cmocka_unit_test(what_is_told_reaches_what_frames_hand_on),
-      cmocka_unit_test(noise_is_averaged)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

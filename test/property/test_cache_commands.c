@@ -112,10 +112,9 @@ static void run_sequence(order *o, cl_event gate) {
     assert_int_equal(clFinish(shared_device.queue), CL_SUCCESS);
 }
 
-static void unchained_commands_keep_the_order(void **state) {
+TEST(unchained_commands_keep_the_order) {
   order o;
   exact_planes want[PLANS];
-  (void)state;
   start(&o);
   run_sequence(&o, NULL);
   for (int i = 0; i < PLANS; ++i) {
@@ -151,10 +150,9 @@ static void unchained_commands_keep_the_order(void **state) {
 
 /* Frames and a cache's commands are under way on an out-of-order queue when
  * everything that they use is destroyed, in every order. */
-static void cache_plan_and_context_go_in_any_order(void **state) {
+TEST(cache_plan_and_context_go_in_any_order) {
   static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2},
                                    {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-  (void)state;
   for (int i = 0; i < 12; ++i) {
     const long before = shim_references();
     const room r = room_lit();
@@ -205,9 +203,8 @@ static void cache_plan_and_context_go_in_any_order(void **state) {
 }
 
 /* A plan goes on without a cache that was destroyed. */
-static void plans_outlive_their_cache(void **state) {
+TEST(plans_outlive_their_cache) {
   room_scene t;
-  (void)state;
   room_start(&t);
   hbil_cache_destroy(t.s.frame.cache);
   t.s.frame.cache = NULL;
@@ -223,10 +220,9 @@ static void plans_outlive_their_cache(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Memory                                                                    */
 
-static void a_default_cache_takes_48_mib_at_most(void **state) {
+TEST(a_default_cache_takes_48_mib_at_most) {
   hbil_cache_config config;
   size_t bytes = 0;
-  (void)state;
   hbil_cache_config_init(&config);
   config.voxel_size = 0.1;
   config.inputs.normal = three_floats;
@@ -238,12 +234,11 @@ static void a_default_cache_takes_48_mib_at_most(void **state) {
 }
 
 /* What a device can't hold, the query rejects in the same words. */
-static void too_large_caches_are_rejected(void **state) {
+TEST(too_large_caches_are_rejected) {
   const hbil_cache_config config = room_cache_config();
   const cl_ulong most = 65536;
   hbil_cache *cache = (hbil_cache *)&config;
   size_t bytes = 77;
-  (void)state;
   shim_answer(CL_DEVICE_MAX_MEM_ALLOC_SIZE, &most, sizeof most);
   const hbil_status asked =
       hbil_cache_memory(shared_device.hbil, &config, &bytes);
@@ -255,10 +250,9 @@ static void too_large_caches_are_rejected(void **state) {
   assert_null(cache);
 }
 
-static void commands_create_no_buffers(void **state) {
+TEST(commands_create_no_buffers) {
   const double centre[3] = {0.25, 0.0, 0.0};
   room_scene t;
-  (void)state;
   room_start(&t);
   shim_start_counting();
   room_inject(&shared_device, t.s.frame.cache, t.views, WALLS, 2);
@@ -276,12 +270,5 @@ static void commands_create_no_buffers(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(unchained_commands_keep_the_order),
-      cmocka_unit_test(cache_plan_and_context_go_in_any_order),
-      cmocka_unit_test(plans_outlive_their_cache),
-      cmocka_unit_test(a_default_cache_takes_48_mib_at_most),
-      cmocka_unit_test(too_large_caches_are_rejected),
-      cmocka_unit_test(commands_create_no_buffers)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -165,10 +165,9 @@ static range range_of(const exact_planes *out) {
 /* What the cache doesn't know is dark here: rays that pass through a place that
  * no view has seen, most of them along the edges of the room.  There is never
  * too much light (measured: 1 + 3e-7, means 0.957 and 0.945). */
-static void a_closed_furnace_has_its_light(void **state) {
+TEST(a_closed_furnace_has_its_light) {
   const room r = furnace();
   hbil_cache *cache = cache_of_furnace();
-  (void)state;
   for (int e = 0; e < EYES; ++e) {
     setup s;
     start(&s, &r, eyes[e], 90.0);
@@ -190,10 +189,9 @@ static void a_closed_furnace_has_its_light(void **state) {
 
 /* If what the cache doesn't know sends 1 as well, all pixels have 1, whatever
  * it knows: nothing is counted twice or left out. */
-static void a_furnace_in_a_furnace_is_even(void **state) {
+TEST(a_furnace_in_a_furnace_is_even) {
   const room r = furnace();
   hbil_cache *cache = cache_of_furnace();
-  (void)state;
   for (int e = 0; e < EYES; ++e) {
     setup s;
     start(&s, &r, eyes[e], 90.0);
@@ -216,13 +214,12 @@ static void a_furnace_in_a_furnace_is_even(void **state) {
 /* A lamp behind the camera                                                  */
 
 /* The frame shows nothing that is lit. */
-static void a_lit_wall_behind_the_camera_lights_the_frame(void **state) {
+TEST(a_lit_wall_behind_the_camera_lights_the_frame) {
   const double eye[3] = {0.1, 0.2, -1.0};
   const double sent[WALLS] = {[BEHIND] = 5.0 * 0.5 / PI};
   room r = room_dark();
   hbil_view views[WALLS];
   setup s;
-  (void)state;
   r.direct[BEHIND] = 5.0f;
   start(&s, &r, eye, 90.0);
   setup_start(&s);
@@ -260,12 +257,11 @@ static void a_lit_wall_behind_the_camera_lights_the_frame(void **state) {
 /* Where direct light and reflectance are the same everywhere, bounces add
  * albedo / (1 - albedo) times the direct light, whatever the shape.  The frame
  * adds none itself, since it has no near field to speak of. */
-static void bounces_come_to_their_sum(void **state) {
+TEST(bounces_come_to_their_sum) {
   const double eye[3] = {0.1, 0.2, -1.0};
   room r = room_dark();
   hbil_view views[WALLS];
   setup s;
-  (void)state;
   r.albedo = 0.8f;
   for (int i = 0; i < WALLS; ++i)
     r.direct[i] = 1.0f;
@@ -302,12 +298,11 @@ static double mean_after(setup *s, cl_uint bounces, double *largest) {
 
 /* One wall is lit: the light grows by less and less and comes to rest, and
  * there is never more of it than direct / (1 - albedo). */
-static void bounces_are_bounded(void **state) {
+TEST(bounces_are_bounded) {
   const double eye[3] = {0.1, 0.2, -1.0};
   room r = room_dark();
   hbil_view views[WALLS];
   setup s;
-  (void)state;
   r.albedo = 0.8f;
   r.direct[BEHIND] = 1.0f;
   start(&s, &r, eye, 90.0);
@@ -337,12 +332,11 @@ static void bounces_are_bounded(void **state) {
 
 /* The room without the wall behind the camera, which is outside and sees all
  * the others: what the frame knows of itself is all there is. */
-static void a_frame_gains_nothing_from_itself(void **state) {
+TEST(a_frame_gains_nothing_from_itself) {
   const double eye[3] = {0.0, 0.0, -4.6};
   room r = room_dark();
   double sent[WALLS];
   setup s;
-  (void)state;
   for (int i = 0; i < WALLS; ++i) {
     r.direct[i] = i == BEHIND ? 0.0f : 1.0f + 0.4f * (float)i;
     sent[i] = (double)r.direct[i] * (double)r.albedo / PI;
@@ -373,12 +367,5 @@ static void a_frame_gains_nothing_from_itself(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_closed_furnace_has_its_light),
-      cmocka_unit_test(a_furnace_in_a_furnace_is_even),
-      cmocka_unit_test(a_lit_wall_behind_the_camera_lights_the_frame),
-      cmocka_unit_test(bounces_come_to_their_sum),
-      cmocka_unit_test(bounces_are_bounded),
-      cmocka_unit_test(a_frame_gains_nothing_from_itself)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -237,13 +237,11 @@ static void check_wedges(bool orthographic) {
   setup_free(&s);
 }
 
-static void wedges_have_the_view_factor_of_the_other_side(void **state) {
-  (void)state;
+TEST(wedges_have_the_view_factor_of_the_other_side) {
   check_wedges(false);
 }
 
-static void orthographic_wedges_have_it(void **state) {
-  (void)state;
+TEST(orthographic_wedges_have_it) {
   check_wedges(true);
 }
 
@@ -409,11 +407,10 @@ static void start_pit(setup *s) {
   setup_start(s);
 }
 
-static void skies_shine_through_cones(void **state) {
+TEST(skies_shine_through_cones) {
   const int degrees[] = {30, 50, 70, 80, 90};
   const double tilts[] = {0.0, 0.2, 0.4};
   setup s;
-  (void)state;
   start_pit(&s);
   for (int i = 0; i < 15; ++i) {
     double tilt = tilts[i / 5];
@@ -425,12 +422,11 @@ static void skies_shine_through_cones(void **state) {
 }
 
 /* A bare plane: pi, 2 pi/3, pi/4 (Ramamoorthi and Hanrahan 2001). */
-static void bare_planes_have_the_known_constants(void **state) {
+TEST(bare_planes_have_the_known_constants) {
   const pit plane = {{0.36, 0.48, -0.8}, PI / 2.0};
   setup s;
   exact_planes out;
   double world[3], basis[9];
-  (void)state;
   start_pit(&s);
   set_pit(&s, &plane);
   setup_upload(&s);
@@ -489,8 +485,7 @@ static void check_furnace(scene_kind kind, hbil_back_facing_fallback fallback) {
   setup_free(&s);
 }
 
-static void near_and_far_light_add_up_to_pi(void **state) {
-  (void)state;
+TEST(near_and_far_light_add_up_to_pi) {
   check_furnace(SCENE_ROOM, HBIL_FALLBACK_LAST_ACCEPTED);
   check_furnace(SCENE_SKY, HBIL_FALLBACK_LAST_ACCEPTED);
   check_furnace(SCENE_ROOM, HBIL_FALLBACK_FRAME_MEAN);
@@ -559,8 +554,7 @@ static void check_bounces(hbil_mode mode, hbil_ao_bounces kind) {
   setup_free(&s);
 }
 
-static void far_light_has_the_published_bounces(void **state) {
-  (void)state;
+TEST(far_light_has_the_published_bounces) {
   for (hbil_mode mode = HBIL_MODE_GTAO; mode <= HBIL_MODE_HBAO; ++mode) {
     check_bounces(mode, HBIL_AO_BOUNCES_PAPER);
     check_bounces(mode, HBIL_AO_BOUNCES_ALBEDO);
@@ -597,11 +591,10 @@ static exact_planes light_of_furnace(hbil_mode mode, hbil_ao_bounces kind,
  * light with bounces lies between AO and what the furnace has, so with near
  * light on top there is more than that: the library computes one or the other
  * (test_status). */
-static void bounces_and_near_light_would_count_twice(void **state) {
+TEST(bounces_and_near_light_would_count_twice) {
   static const hbil_ao_bounces kinds[] = {HBIL_AO_BOUNCES_PAPER,
                                           HBIL_AO_BOUNCES_ALBEDO};
   const int plane = 97 * 54;
-  (void)state;
   exact_planes near_light =
       light_of_furnace(HBIL_MODE_HBIL, HBIL_AO_BOUNCES_NONE, PLANE_NEAR);
   for (int k = 0; k < 2; ++k) {
@@ -628,12 +621,11 @@ static void bounces_and_near_light_would_count_twice(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Fresnel                                                                   */
 
-static void indirect_light_is_scaled_by_what_enters(void **state) {
+TEST(indirect_light_is_scaled_by_what_enters) {
   const int pixels = 97 * 54;
   setup s;
   exact_planes out;
   double worst = 0.0;
-  (void)state;
   setup_scene(&s, SCENE_ROOM, 97, 54, 0);
   setup_all_outputs(&s);
   s.config.inputs.f0 = three_floats;
@@ -679,10 +671,9 @@ static double schlick_term(double cosine) {
 }
 
 /* doc/method.md, section on far light. */
-static void the_dropped_schlick_term_is_as_small_as_stated(void **state) {
+TEST(the_dropped_schlick_term_is_as_small_as_stated) {
   const double stated[][2] = {
       {1.0, 1e-4}, {0.76, 1e-3}, {0.36, 9e-3}, {0.07, 2.3e-2}};
-  (void)state;
   for (int i = 0; i < 4; ++i) {
     double term = schlick_term(stated[i][0]);
     if (getenv("HBIL_TEST_VERBOSE"))
@@ -693,15 +684,5 @@ static void the_dropped_schlick_term_is_as_small_as_stated(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(wedges_have_the_view_factor_of_the_other_side),
-      cmocka_unit_test(orthographic_wedges_have_it),
-      cmocka_unit_test(skies_shine_through_cones),
-      cmocka_unit_test(bare_planes_have_the_known_constants),
-      cmocka_unit_test(near_and_far_light_add_up_to_pi),
-      cmocka_unit_test(far_light_has_the_published_bounces),
-      cmocka_unit_test(bounces_and_near_light_would_count_twice),
-      cmocka_unit_test(indirect_light_is_scaled_by_what_enters),
-      cmocka_unit_test(the_dropped_schlick_term_is_as_small_as_stated)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -162,23 +162,19 @@ static void check_view(double fov) {
   exact_planes_free(&want);
 }
 
-static void a_view_of_30_degrees_converges(void **state) {
-  (void)state;
+TEST(a_view_of_30_degrees_converges) {
   check_view(30.0);
 }
 
-static void a_view_of_60_degrees_converges(void **state) {
-  (void)state;
+TEST(a_view_of_60_degrees_converges) {
   check_view(60.0);
 }
 
-static void a_view_of_90_degrees_converges(void **state) {
-  (void)state;
+TEST(a_view_of_90_degrees_converges) {
   check_view(90.0);
 }
 
-static void a_view_of_120_degrees_converges(void **state) {
-  (void)state;
+TEST(a_view_of_120_degrees_converges) {
   check_view(120.0);
 }
 
@@ -186,9 +182,8 @@ static void a_view_of_120_degrees_converges(void **state) {
  * Equal weights for all slices are wrong in the corners, however many slices
  * there are. The tests above would find kernels without the Jacobian.
  */
-static void equal_weights_are_wrong_in_the_corners(void **state) {
+TEST(equal_weights_are_wrong_in_the_corners) {
   const double fov[] = {90.0, 120.0};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     exact_planes want = exact(fov[i], INFINITY, 256, true);
     exact_planes got = exact(fov[i], INFINITY, 256, false);
@@ -220,8 +215,7 @@ static void measure_extrapolation(cl_uint samples, deviation *before,
 
 /* With few samples, those that stand for their steps are nearer to the exact
  * integral. */
-static void steps_get_nearer_than_samples(void **state) {
-  (void)state;
+TEST(steps_get_nearer_than_samples) {
   for (cl_uint samples = 4; samples <= 8; samples *= 2) {
     deviation before, after;
     measure_extrapolation(samples, &before, &after);
@@ -233,10 +227,9 @@ static void steps_get_nearer_than_samples(void **state) {
 
 /* Extrapolation changes no bit when the samples meet all pixels, nor where
  * occluders have no back. */
-static void steps_of_a_pixel_change_nothing(void **state) {
+TEST(steps_of_a_pixel_change_nothing) {
   const float thickness[] = {THICKNESS, INFINITY};
   const cl_uint samples[] = {WIDTH, 8};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     exact_planes plain = kernels(60.0, thickness[i], 4, samples[i], 1, false);
     exact_planes more = kernels(60.0, thickness[i], 4, samples[i], 1, true);
@@ -247,13 +240,5 @@ static void steps_of_a_pixel_change_nothing(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_view_of_30_degrees_converges),
-      cmocka_unit_test(a_view_of_60_degrees_converges),
-      cmocka_unit_test(a_view_of_90_degrees_converges),
-      cmocka_unit_test(a_view_of_120_degrees_converges),
-      cmocka_unit_test(equal_weights_are_wrong_in_the_corners),
-      cmocka_unit_test(steps_get_nearer_than_samples),
-      cmocka_unit_test(steps_of_a_pixel_change_nothing)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

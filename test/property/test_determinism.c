@@ -94,8 +94,7 @@ static void check_hash(uint64_t got, uint64_t want, const char *name,
     fail_msg("%s: other bits %s", name, how);
 }
 
-static void every_run_gives_the_same_bits(void **state) {
-  (void)state;
+TEST(every_run_gives_the_same_bits) {
   for (int k = 0; k < KINDS; ++k) {
     setup s;
     start(&s, &kinds[k]);
@@ -134,9 +133,8 @@ static void hashes_with_threads(const char *threads, uint64_t hash[KINDS]) {
   assert_int_equal(pclose(other), 0);
 }
 
-static void one_thread_and_two_give_the_same_bits(void **state) {
+TEST(one_thread_and_two_give_the_same_bits) {
   uint64_t one[KINDS], two[KINDS];
-  (void)state;
   hashes_with_threads("1", one);
   hashes_with_threads("2", two);
   for (int k = 0; k < KINDS; ++k)
@@ -158,9 +156,8 @@ static const struct {
                  {CAMERA_4, {5, 2}},  {CAMERA_16, {3, 4}}, {MOTION, {7, 3}}};
 enum { SHORT = 5, GROUPINGS = sizeof groupings / sizeof *groupings };
 
-static void every_work_group_gives_the_same_bits(void **state) {
+TEST(every_work_group_gives_the_same_bits) {
   const int count = getenv("HBIL_STRESS_SECONDS") ? GROUPINGS : SHORT;
-  (void)state;
   for (int i = 0; i < count; ++i) {
     const kind *k = &kinds[groupings[i].kind];
     setup s;
@@ -174,10 +171,6 @@ static void every_work_group_gives_the_same_bits(void **state) {
 }
 
 int main(int argc, char **argv) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_run_gives_the_same_bits),
-      cmocka_unit_test(one_thread_and_two_give_the_same_bits),
-      cmocka_unit_test(every_work_group_gives_the_same_bits)};
   program = argv[0];
-  return argc > 1 ? print_hashes() : RUN_WITH_DEVICE(tests);
+  return argc > 1 ? print_hashes() : run_with_device();
 }

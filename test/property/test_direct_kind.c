@@ -87,16 +87,14 @@ static void check(hbil_feedback feedback) {
   }
 }
 
-static void radiance_lights_as_irradiance_does(void **state) {
-  (void)state;
+TEST(radiance_lights_as_irradiance_does) {
   check(HBIL_FEEDBACK_IRRADIANCE);
   check(HBIL_FEEDBACK_RADIANCE);
 }
 
 /* Without albedo, surfaces are white. */
-static void without_albedo_surfaces_are_white(void **state) {
+TEST(without_albedo_surfaces_are_white) {
   exact_planes out[2];
-  (void)state;
   for (int kind = 0; kind < 2; ++kind) {
     setup s;
     setup_scene(&s, SCENE_ROOM, 40, 24, 0);
@@ -114,10 +112,9 @@ static void without_albedo_surfaces_are_white(void **state) {
   exact_planes_free(&out[1]);
 }
 
-static void an_unknown_kind_is_rejected(void **state) {
+TEST(an_unknown_kind_is_rejected) {
   hbil_plan *plan = NULL;
   setup s;
-  (void)state;
   setup_scene(&s, SCENE_ROOM, 40, 24, 0);
   s.config.inputs.direct_kind = (hbil_direct_kind)2;
   room_rejected(hbil_plan_create(s.device->hbil, &s.config, &plan),
@@ -126,9 +123,5 @@ static void an_unknown_kind_is_rejected(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(radiance_lights_as_irradiance_does),
-      cmocka_unit_test(without_albedo_surfaces_are_white),
-      cmocka_unit_test(an_unknown_kind_is_rejected)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -120,11 +120,11 @@ static void check_resolution(const exact_state *expected,
                        &expected[i].out);
 }
 
-static void errors_are_within_their_estimates(void **state) {
+TEST(errors_are_within_their_estimates) {
   check_resolution(*state, HBIL_RESOLUTION_FULL);
 }
 
-static void errors_are_within_their_estimates_at_half_resolution(void **state) {
+TEST(errors_are_within_their_estimates_at_half_resolution) {
   check_resolution(*state, HBIL_RESOLUTION_HALF);
 }
 
@@ -150,12 +150,11 @@ static exact_planes bright_frame(int exponent) {
 
 /* The squares of light of 2e19 and more are not finite floats, those of 1e-19
  * and less are 0, and a neighbourhood may have both kinds of light. */
-static void bright_light_has_estimates_in_proportion(void **state) {
+TEST(bright_light_has_estimates_in_proportion) {
   static const int exponents[] = {20, 49, 52, 55, 64, 80, 94};
   exact_planes dim = bright_frame(0);
   const double *want = dim.values + EXACT_ERROR_ESTIMATE * PIXELS;
   double mean = 0.0;
-  (void)state;
   for (int i = PIXELS; i < 2 * PIXELS; ++i)
     mean += want[i] / PIXELS;
   assert_true(mean > 1e-3);
@@ -177,10 +176,6 @@ static void bright_light_has_estimates_in_proportion(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(errors_are_within_their_estimates),
-      cmocka_unit_test(errors_are_within_their_estimates_at_half_resolution),
-      cmocka_unit_test(bright_light_has_estimates_in_proportion)};
   shared_device = device_open();
-  return device_finish(cmocka_run_group_tests(tests, make_exact, free_exact));
+  return device_finish(tests_run_with(make_exact, free_exact));
 }

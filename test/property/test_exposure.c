@@ -143,18 +143,16 @@ static void check(hbil_feedback feedback, hbil_far_field far_field,
   setup_free(&s);
 }
 
-static void light_is_as_if_it_had_always_been_so(void **state) {
-  (void)state;
+TEST(light_is_as_if_it_had_always_been_so) {
   check(HBIL_FEEDBACK_IRRADIANCE, HBIL_FAR_SH, HBIL_CACHE_METHOD_RAYS,
         HBIL_VIEW_DIRECT, 1);
   check(HBIL_FEEDBACK_RADIANCE, HBIL_FAR_FRAME, HBIL_CACHE_METHOD_CONES,
         HBIL_VIEW_FINISHED, 2);
 }
 
-static void exposures_out_of_range_are_rejected(void **state) {
+TEST(exposures_out_of_range_are_rejected) {
   static const float wrong[] = {-1.0f, 1e-13f, 1e13f, NAN, INFINITY};
   room_scene t;
-  (void)state;
   room_start(&t);
   for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
     hbil_cache_update update;
@@ -180,8 +178,5 @@ static void exposures_out_of_range_are_rejected(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(light_is_as_if_it_had_always_been_so),
-      cmocka_unit_test(exposures_out_of_range_are_rejected)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -25,8 +25,7 @@ static hbil_status make_context(void) {
   return status;
 }
 
-static void contexts_leave_nothing(void **state) {
-  (void)state;
+TEST(contexts_leave_nothing) {
   for (int e = 0; e < FAULTS; ++e) {
     const long held = shim_references();
     outcome o = {0, "", HBIL_SUCCESS};
@@ -56,9 +55,8 @@ static hbil_status make_plan(const hbil_config *config) {
   return status;
 }
 
-static void plans_leave_nothing(void **state) {
+TEST(plans_leave_nothing) {
   setup s;
-  (void)state;
   prepare(&s);
   for (int e = 0; e < FAULTS; ++e) {
     const long held = shim_references();
@@ -137,12 +135,11 @@ static void check_same(const outcome *o, step *t) {
 /* After a failed frame, the same frame again gives the light and the history
  * of the plan that never failed. No reference leaks, except that an event may
  * be missing that could not be retained. */
-static void frames_can_be_repeated(void **state) {
+TEST(frames_can_be_repeated) {
   const long before = shim_references();
   bool holes = false;
   long held = 0;
   step t;
-  (void)state;
   start_step(&t);
   load(&t, 0);
   setup_run(&t.plain, hbil_enqueue_frame);
@@ -172,11 +169,10 @@ static void frames_can_be_repeated(void **state) {
 }
 
 /* Whichever call of a frame failed, destroying the plan releases everything. */
-static void plans_end_after_failures(void **state) {
+TEST(plans_end_after_failures) {
   const long before = shim_references();
   outcome o = {0, "", HBIL_SUCCESS};
   step t;
-  (void)state;
   for (int n = 1; o.failed; n += 29) { /* a prime: all kinds of calls */
     start_step(&t);
     load(&t, 0);
@@ -189,10 +185,9 @@ static void plans_end_after_failures(void **state) {
 
 /* A static frame after a failed one is not a repetition of the failed one, but
  * of the frame before it. */
-static void static_frames_do_not_stand_on_failures(void **state) {
+TEST(static_frames_do_not_stand_on_failures) {
   outcome o = {0, "", HBIL_SUCCESS};
   step t;
-  (void)state;
   start_step(&t);
   for (int n = 1; o.failed; ++n) {
     load(&t, 0);
@@ -313,11 +308,10 @@ static void check_same_images(const outcome *o, const image_step *t) {
 
 /* Images are written after the pass that writes the history: what was carried
  * over and averaged is still that of the frame before if this fails. */
-static void frames_of_images_can_be_repeated(void **state) {
+TEST(frames_of_images_can_be_repeated) {
   const long before = shim_references();
   outcome o = {0, "", HBIL_SUCCESS};
   image_step t;
-  (void)state;
   start_images(&t);
   for (int n = 1; o.failed; ++n) {
     load_images(&t, n % 2 ? 3 : 0);
@@ -334,13 +328,12 @@ static void frames_of_images_can_be_repeated(void **state) {
 }
 
 /* The same if composite was enqueued by itself, and is enqueued again. */
-static void composite_to_images_can_be_repeated(void **state) {
+TEST(composite_to_images_can_be_repeated) {
   static enqueue_function *const passes[] = {enqueue_reproject,
                                              enqueue_push_pull, enqueue_split,
                                              enqueue_gather, enqueue_recompose};
   outcome o = {0, "", HBIL_SUCCESS};
   image_step t;
-  (void)state;
   start_images(&t);
   for (int n = 1; o.failed; ++n) {
     load_images(&t, n % 2 ? 3 : 0);
@@ -372,10 +365,9 @@ static hbil_status ask_skipped(step *t) {
   return hbil_plan_statistics(t->faulty.plan, t->profiled.queue, &skipped);
 }
 
-static void questions_can_be_asked_again(void **state) {
+TEST(questions_can_be_asked_again) {
   static question *const questions[] = {ask_timings, ask_skipped};
   step t;
-  (void)state;
   start_step(&t);
   setup_run(&t.faulty, hbil_enqueue_frame);
   for (size_t q = 0; q < sizeof questions / sizeof *questions; ++q)
@@ -392,10 +384,9 @@ static void questions_can_be_asked_again(void **state) {
   free_step(&t);
 }
 
-static void lost_events_are_told(void **state) {
+TEST(lost_events_are_told) {
   outcome o = {0, "", HBIL_SUCCESS};
   step t;
-  (void)state;
   start_step(&t);
   for (int n = 1; !o.failed || strcmp(o.failed, "clRetainEvent"); ++n)
     o = ATTEMPT(n, CL_OUT_OF_RESOURCES, frame(&t.faulty));
@@ -425,12 +416,11 @@ static void remove_text(const char *folder, const char *name) {
 }
 
 /* The message has the compiler's log, unless asking for the log fails. */
-static void a_failed_build_is_told(void **state) {
+TEST(a_failed_build_is_told) {
   static const char *const files[] = {"shared.h", "common.clh", "reproject.cl"};
   char folder[] = "hbil-faults.XXXXXX";
   outcome o = {0, "", HBIL_SUCCESS};
   setup s;
-  (void)state;
   prepare(&s);
   assert_non_null(mkdtemp(folder));
   for (int i = 0; i < 3; ++i)
@@ -461,17 +451,5 @@ static void a_failed_build_is_told(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(contexts_leave_nothing),
-      cmocka_unit_test(plans_leave_nothing),
-      cmocka_unit_test(frames_can_be_repeated),
-      cmocka_unit_test(plans_end_after_failures),
-      cmocka_unit_test(static_frames_do_not_stand_on_failures),
-      cmocka_unit_test(frames_of_images_can_be_repeated),
-      cmocka_unit_test(composite_to_images_can_be_repeated),
-      cmocka_unit_test(questions_can_be_asked_again),
-      cmocka_unit_test(lost_events_are_told),
-      cmocka_unit_test(a_failed_build_is_told),
-  };
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -177,9 +177,8 @@ static void check_form(const form *f, const setup *floats,
   setup_free(&s);
 }
 
-static void errors_are_those_of_the_rounding(void **state) {
+TEST(errors_are_those_of_the_rounding) {
   setup floats;
-  (void)state;
   prepare(&floats, NULL);
   setup_start(&floats);
   exact_planes want = stage_gathered(&floats);
@@ -190,7 +189,5 @@ static void errors_are_those_of_the_rounding(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(errors_are_those_of_the_rounding)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

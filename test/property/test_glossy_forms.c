@@ -62,14 +62,12 @@ static void check_furnace(int i) {
   setup_free(&s);
 }
 
-static void a_furnace_is_even(void **state) {
-  (void)state;
+TEST(a_furnace_is_even) {
   for (int i = 0; i < 8; ++i)
     check_furnace(i);
 }
 
-static void a_bare_plane_shows_its_environment(void **state) {
-  (void)state;
+TEST(a_bare_plane_shows_its_environment) {
   for (int i = 0; i < 6; ++i) {
     setup s;
     double normal[3];
@@ -180,8 +178,7 @@ static void check_wall(float roughness) {
   setup_free(&s);
 }
 
-static void a_wall_fills_its_part_of_the_lobe(void **state) {
-  (void)state;
+TEST(a_wall_fills_its_part_of_the_lobe) {
   check_wall(0.3f);
   check_wall(0.5f);
   check_wall(0.9f);
@@ -202,9 +199,8 @@ static void prepare_room(setup *s, float light) {
 }
 
 /* A power of two changes exponents alone. */
-static void twice_the_light_is_twice_as_glossy(void **state) {
+TEST(twice_the_light_is_twice_as_glossy) {
   exact_planes out[2];
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     setup s;
     prepare_room(&s, i ? 4.0f : 1.0f);
@@ -223,8 +219,7 @@ static void twice_the_light_is_twice_as_glossy(void **state) {
   exact_planes_free(&out[1]);
 }
 
-static void other_outputs_keep_their_bits(void **state) {
-  (void)state;
+TEST(other_outputs_keep_their_bits) {
   for (int k = 0; k < 5; ++k) {
     exact_planes out[2];
     for (int i = 0; i < 2; ++i) {
@@ -251,9 +246,8 @@ static void other_outputs_keep_their_bits(void **state) {
 }
 
 /* Spoiled light, normals and depths, here and there. */
-static void glossy_light_is_finite(void **state) {
+TEST(glossy_light_is_finite) {
   static const float spoiled[] = {NAN, INFINITY, -INFINITY, -1.0f, 1e38f, 0.0f};
-  (void)state;
   for (int k = 0; k < 4; ++k) {
     setup s;
     prepare_room(&s, 1.0f);
@@ -275,12 +269,5 @@ static void glossy_light_is_finite(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_furnace_is_even),
-      cmocka_unit_test(a_bare_plane_shows_its_environment),
-      cmocka_unit_test(a_wall_fills_its_part_of_the_lobe),
-      cmocka_unit_test(twice_the_light_is_twice_as_glossy),
-      cmocka_unit_test(other_outputs_keep_their_bits),
-      cmocka_unit_test(glossy_light_is_finite)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

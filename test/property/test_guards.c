@@ -45,28 +45,21 @@ static void check_size(hbil_reprojection reprojection, cl_uint vector_width,
   setup_free(&guarded);
 }
 
-static void vectors_stay_inside(void **state) {
-  (void)state;
+TEST(vectors_stay_inside) {
   for (size_t i = 0; i < SIZES; ++i)
     check_size(HBIL_REPROJECTION_CAMERA, 0, sizes[i][0], sizes[i][1]);
 }
 
-static void single_pixels_stay_inside(void **state) {
-  (void)state;
+TEST(single_pixels_stay_inside) {
   for (size_t i = 0; i < SIZES; ++i)
     check_size(HBIL_REPROJECTION_CAMERA, 1, sizes[i][0], sizes[i][1]);
 }
 
-static void motion_stays_inside(void **state) {
-  (void)state;
+TEST(motion_stays_inside) {
   for (size_t i = 0; i < SIZES; ++i)
     check_size(HBIL_REPROJECTION_MOTION, 0, sizes[i][0], sizes[i][1]);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(vectors_stay_inside),
-      cmocka_unit_test(single_pixels_stay_inside),
-      cmocka_unit_test(motion_stays_inside)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -108,14 +108,12 @@ static void check_symmetry(const symmetry *m, bool exact, double limit) {
   setup_free(&changed);
 }
 
-static void mirrored_pictures_have_mirrored_light(void **state) {
-  (void)state;
+TEST(mirrored_pictures_have_mirrored_light) {
   check_symmetry(&mirror, true, 1e-12);
   check_symmetry(&mirror, false, 3e-3);
 }
 
-static void turned_pictures_have_turned_light(void **state) {
-  (void)state;
+TEST(turned_pictures_have_turned_light) {
   check_symmetry(&quarter_turn, true, 1e-12);
   check_symmetry(&quarter_turn, false, 3e-3);
 }
@@ -159,11 +157,10 @@ static exact_planes frames_in_world(const double turn[9],
 
 /* Derived: the turned normals are rounded once more, by 6e-8. Measured:
  * 1.2e-7, 1.5e-7 and 8.9e-8. */
-static void the_world_s_axes_do_not_matter(void **state) {
+TEST(the_world_s_axes_do_not_matter) {
   const double none[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, still[3] = {0, 0, 0};
   const double turn[9] = {0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6};
   const double move[3] = {10.0, -3.0, 7.0};
-  (void)state;
   exact_planes want = frames_in_world(none, still);
   exact_planes got = frames_in_world(turn, move);
   check_at_most("AO", relative_rmse(&got, &want, EXACT_AO, 1), 1e-5);
@@ -202,8 +199,7 @@ static exact_planes frames_of_world(float z) {
 }
 
 /* Exact: every product with z has the same two signs once more. */
-static void left_handed_worlds_are_lit_alike(void **state) {
-  (void)state;
+TEST(left_handed_worlds_are_lit_alike) {
   exact_planes want = frames_of_world(1.0f), got = frames_of_world(-1.0f);
   const size_t plane = (size_t)(want.width * want.height);
   double *bent = want.values + (EXACT_BENT_NORMAL + 2) * plane, most = 0.0;
@@ -241,8 +237,7 @@ static exact_planes room_lit_by(lamps which, float scale) {
 
 /* Exact: a power of two changes no mantissa.  Derived for others: two dozen
  * roundings of 6e-8. */
-static void light_scales_with_its_sources(void **state) {
-  (void)state;
+TEST(light_scales_with_its_sources) {
   exact_planes one = room_lit_by(BOTH, 1.0f);
   exact_planes four = room_lit_by(BOTH, 4.0f), seven = room_lit_by(BOTH, 7.0f);
   const size_t plane = (size_t)(one.width * one.height);
@@ -258,8 +253,7 @@ static void light_scales_with_its_sources(void **state) {
 }
 
 /* Occlusion and bent normals don't depend on light at all. */
-static void the_light_of_two_lamps_is_their_sum(void **state) {
-  (void)state;
+TEST(the_light_of_two_lamps_is_their_sum) {
   exact_planes both = room_lit_by(BOTH, 1.0f);
   exact_planes left = room_lit_by(LEFT, 1.0f), right = room_lit_by(RIGHT, 1.0f);
   const size_t plane = (size_t)(both.width * both.height);
@@ -298,9 +292,8 @@ static void check_units(float size, float radius, double limit) {
   exact_planes_free(&got);
 }
 
-static void the_unit_of_length_does_not_matter(void **state) {
+TEST(the_unit_of_length_does_not_matter) {
   const float radii[] = {INFINITY, 1.0f};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     /* exact: a power of two changes no mantissa */
     check_units(0x1p-10f, radii[i], 0.0);
@@ -312,13 +305,5 @@ static void the_unit_of_length_does_not_matter(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(mirrored_pictures_have_mirrored_light),
-      cmocka_unit_test(turned_pictures_have_turned_light),
-      cmocka_unit_test(the_world_s_axes_do_not_matter),
-      cmocka_unit_test(left_handed_worlds_are_lit_alike),
-      cmocka_unit_test(light_scales_with_its_sources),
-      cmocka_unit_test(the_light_of_two_lamps_is_their_sum),
-      cmocka_unit_test(the_unit_of_length_does_not_matter)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -95,7 +95,7 @@ static double error_on_floor(const floor_case *f, double lean) {
   return worst;
 }
 
-static void floors_hide_what_is_behind_them(void **state) {
+TEST(floors_hide_what_is_behind_them) {
   static const floor_case cases[] = {
       {INFINITY, HBIL_MODE_HBIL, HBIL_RESOLUTION_FULL, 0, false},
       {INFINITY, HBIL_MODE_GTAO, HBIL_RESOLUTION_FULL, 1, false},
@@ -103,7 +103,6 @@ static void floors_hide_what_is_behind_them(void **state) {
       {0.1f, HBIL_MODE_HBIL, HBIL_RESOLUTION_HALF, 0, false},
       {0.1f, HBIL_MODE_HBIL, HBIL_RESOLUTION_FULL, 1, true}};
   static const double leans[] = {-40.0, -10.0, 0.0, 10.0, 30.0, 40.0, 44.0};
-  (void)state;
   for (int i = 0; i < 5; ++i)
     for (int k = 0; k < 7; ++k)
       check_at_most("AO of a floor",
@@ -164,8 +163,7 @@ static double error_on_normal_map(float thickness) {
 
 /* Measured: 1e-5; with sectors, which are all dithered alike in a single
  * pixel, .009. */
-static void a_normal_map_is_not_a_wall(void **state) {
-  (void)state;
+TEST(a_normal_map_is_not_a_wall) {
   check_at_most("AO of a normal map", error_on_normal_map(INFINITY), 0.001);
   check_at_most("AO of a normal map", error_on_normal_map(0.1f), 0.02);
 }
@@ -278,8 +276,7 @@ static double error_on_sphere(int sides, float thickness) {
   return sqrt(squares / count);
 }
 
-static void smooth_normals_leave_facets_flat(void **state) {
-  (void)state;
+TEST(smooth_normals_leave_facets_flat) {
   for (int sides = 8; sides <= 32; sides *= 2) {
     check_at_most("AO of a sphere", error_on_sphere(sides, INFINITY), 0.005);
     /* measured: .0064, by sectors, which are dithered alike */
@@ -288,9 +285,5 @@ static void smooth_normals_leave_facets_flat(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(floors_hide_what_is_behind_them),
-      cmocka_unit_test(a_normal_map_is_not_a_wall),
-      cmocka_unit_test(smooth_normals_leave_facets_flat)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -91,9 +91,8 @@ static void move(const scene *t, double x) {
 /* ------------------------------------------------------------------------ */
 /* The same bits                                                             */
 
-static void every_run_has_the_same_bits(void **state) {
+TEST(every_run_has_the_same_bits) {
   static const size_t groups[][2] = {{1, 1}, {3, 2}, {7, 5}};
-  (void)state;
   for (hbil_cache_method p = first_method; p <= last_method; ++p) {
     scene t;
     start(&t, p, 97, 61);
@@ -114,8 +113,7 @@ static void every_run_has_the_same_bits(void **state) {
 /* What a cache has forgotten, it doesn't show: not after its creation, nor
  * after a reset.  Cones and rays then change nothing; the other two know no
  * unseen places, and have no light. */
-static void an_empty_cache_tells_nothing(void **state) {
-  (void)state;
+TEST(an_empty_cache_tells_nothing) {
   for (hbil_cache_method p = first_method; p <= last_method; ++p) {
     scene t;
     shim_guard_buffers(true); /* what isn't written is no number */
@@ -139,8 +137,7 @@ static void an_empty_cache_tells_nothing(void **state) {
 
 /* A frame behind a move has what a frame behind a move and an update has, if
  * light doesn't spread from cell to cell. */
-static void moves_leave_the_world_in_its_place(void **state) {
-  (void)state;
+TEST(moves_leave_the_world_in_its_place) {
   for (hbil_cache_method p = first_method; p <= last_method; ++p) {
     hbil_cache_update update;
     scene t;
@@ -167,8 +164,7 @@ static void moves_leave_the_world_in_its_place(void **state) {
 }
 
 /* Whatever a cache held before, a saved one replaces it. */
-static void loaded_caches_have_no_past(void **state) {
-  (void)state;
+TEST(loaded_caches_have_no_past) {
   for (hbil_cache_method p = first_method; p <= HBIL_CACHE_METHOD_LPV; ++p) {
     scene t;
     start(&t, p, 97, 61);
@@ -222,8 +218,7 @@ static void check_memory(hbil_cache_config *config) {
   hbil_cache_destroy(cache);
 }
 
-static void caches_take_the_announced_memory(void **state) {
-  (void)state;
+TEST(caches_take_the_announced_memory) {
   shim_skip_builds(true);
   for (hbil_cache_method p = first_method; p <= last_method; ++p)
     for (cl_uint levels = 1; levels <= 4; ++levels)
@@ -238,9 +233,8 @@ static void caches_take_the_announced_memory(void **state) {
   shim_skip_builds(false);
 }
 
-static void nothing_is_written_outside_of_buffers(void **state) {
+TEST(nothing_is_written_outside_of_buffers) {
   static const int sizes[][2] = {{1, 1}, {97, 61}};
-  (void)state;
   for (hbil_cache_method p = first_method; p <= last_method; ++p)
     for (int i = 0; i < 2; ++i) {
       scene t;
@@ -274,8 +268,7 @@ static hbil_status make_cache(hbil_cache_method method) {
   return status;
 }
 
-static void failed_caches_leave_nothing(void **state) {
-  (void)state;
+TEST(failed_caches_leave_nothing) {
   for (hbil_cache_method p = first_method; p <= last_method; ++p) {
     const long held = shim_references();
     outcome o = {0, "", HBIL_SUCCESS};
@@ -371,18 +364,16 @@ static void check_failures(hbil_cache_method method, cl_command_queue queue,
   stop(&t);
 }
 
-static void failed_commands_can_be_repeated(void **state) {
-  (void)state;
+TEST(failed_commands_can_be_repeated) {
   for (hbil_cache_method p = first_method; p <= last_method; ++p)
     check_failures(p, shared_device.queue, p == first_method ? 2 : 5);
 }
 
-static void failed_commands_of_any_order_can_be_repeated(void **state) {
+TEST(failed_commands_of_any_order_can_be_repeated) {
   cl_int error;
   cl_command_queue queue =
       clCreateCommandQueue(shared_device.context, shared_device.id,
                            CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, &error);
-  (void)state;
   /* rusticl 22.3 has no out-of-order queues */
   if (error == CL_INVALID_QUEUE_PROPERTIES)
     skip();
@@ -394,9 +385,8 @@ static void failed_commands_of_any_order_can_be_repeated(void **state) {
 /* ------------------------------------------------------------------------ */
 /* What is rejected                                                          */
 
-static void bad_arguments_are_rejected_by_name(void **state) {
+TEST(bad_arguments_are_rejected_by_name) {
   scene t;
-  (void)state;
   start(&t, HBIL_CACHE_METHOD_RSM, 97, 61);
   hbil_cache *cache = t.s.frame.cache;
   const cl_command_queue queue = shared_device.queue;
@@ -456,13 +446,12 @@ static void bad_arguments_are_rejected_by_name(void **state) {
   stop(&t);
 }
 
-static void plans_need_their_method_in_the_cache(void **state) {
+TEST(plans_need_their_method_in_the_cache) {
   static const char *const names[] = {
       [HBIL_CACHE_METHOD_RAYS] = "HBIL_CACHE_METHOD_RAYS",
       [HBIL_CACHE_METHOD_CONES] = "HBIL_CACHE_METHOD_CONES",
       [HBIL_CACHE_METHOD_LPV] = "HBIL_CACHE_METHOD_LPV",
       [HBIL_CACHE_METHOD_RSM] = "HBIL_CACHE_METHOD_RSM"};
-  (void)state;
   shim_skip_builds(true);
   for (hbil_cache_method p = first_method; p <= last_method; ++p)
     for (hbil_cache_method q = first_method; q <= last_method; ++q) {
@@ -488,10 +477,9 @@ static void plans_need_their_method_in_the_cache(void **state) {
   shim_skip_builds(false);
 }
 
-static void bad_settings_are_rejected_by_name(void **state) {
+TEST(bad_settings_are_rejected_by_name) {
   static const int unknown[] = {-1, HBIL_CACHE_METHOD_NONE,
                                 HBIL_CACHE_METHOD_RSM + 1};
-  (void)state;
   for (int i = 0; i < 3; ++i) {
     hbil_cache_config config = room_cache_config();
     hbil_cache *cache = (hbil_cache *)&config;
@@ -524,18 +512,5 @@ static void bad_settings_are_rejected_by_name(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_run_has_the_same_bits),
-      cmocka_unit_test(an_empty_cache_tells_nothing),
-      cmocka_unit_test(moves_leave_the_world_in_its_place),
-      cmocka_unit_test(loaded_caches_have_no_past),
-      cmocka_unit_test(caches_take_the_announced_memory),
-      cmocka_unit_test(nothing_is_written_outside_of_buffers),
-      cmocka_unit_test(failed_caches_leave_nothing),
-      cmocka_unit_test(failed_commands_can_be_repeated),
-      cmocka_unit_test(failed_commands_of_any_order_can_be_repeated),
-      cmocka_unit_test(bad_arguments_are_rejected_by_name),
-      cmocka_unit_test(plans_need_their_method_in_the_cache),
-      cmocka_unit_test(bad_settings_are_rejected_by_name)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -191,10 +191,9 @@ static void check_disc(const double eye[3], bool flat, cl_uint count,
   free_disc(&d);
 }
 
-static void a_lit_disc_lights_what_faces_it(void **state) {
+TEST(a_lit_disc_lights_what_faces_it) {
   static const double eyes[][3] = {{0.0, 0.0, 2.5}, {1.7, 0.9, 2.0}};
   static const double distances[] = {0.5, 1.0, 2.0};
-  (void)state;
   for (int e = 0; e < 2; ++e)
     for (int i = 0; i < 3; ++i) {
       check_disc(eyes[e], false, 1, distances[i]);
@@ -265,12 +264,11 @@ static int flux_of(double flux[3]) {
 
 /* Nothing stops it, so it is all there until it leaves; lobes whose order-1
  * form is negative on one side, too. */
-static void flux_stays_in_an_empty_volume(void **state) {
+TEST(flux_stays_in_an_empty_volume) {
   const exact_intensity light[3] = {
       {0.25, {0.5, 0.0, 0.0}}, {1.0, {0.0, 0.0, 0.0}}, {0.5, {-0.6, 0.7, 0.4}}};
   hbil_cache *cache = cache_with(HBIL_CACHE_METHOD_LPV, 1);
   double flux[3];
-  (void)state;
   update(cache, HBIL_FAR_NONE, 0.0f, 1);
   plant(light, 8, 7, 8);
   for (int step = 1; step <= 24; ++step) {
@@ -308,9 +306,8 @@ static void room_frame(setup *s, hbil_cache_method method, const room *r,
 
 static const double inner_eye[3] = {0.1, 0.2, -1.0};
 
-static void volumes_read_out_an_even_environment(void **state) {
+TEST(volumes_read_out_an_even_environment) {
   const room r = room_dark();
-  (void)state;
   for (cl_uint levels = 1; levels <= 3; ++levels) {
     setup s;
     double worst[2] = {0.0, 0.0};
@@ -355,11 +352,10 @@ static void see_sky(hbil_cache *cache) {
 
 /* Cones fill the hemisphere: their solid angles sum to 2 pi, so a probe knows
  * all, and their cosines, times these, to pi. */
-static void cones_fill_the_hemisphere(void **state) {
+TEST(cones_fill_the_hemisphere) {
   const room r = room_dark();
   setup s;
   double mean = 0.0, solid = 0.0, cosine = 0.0, light = 0.0;
-  (void)state;
   room_frame(&s, HBIL_CACHE_METHOD_CONES, &r, inner_eye, 1.0f);
   s.frame.cache = cache_with(HBIL_CACHE_METHOD_CONES, 2);
   see_sky(s.frame.cache);
@@ -440,7 +436,7 @@ static furnace_light light_of_furnace(hbil_cache_method method,
 
 /* What no view has seen is dark, or as bright as the walls.  Reflective shadow
  * maps have four of the six walls, by a few texels a probe. */
-static void no_method_is_brighter_than_the_furnace(void **state) {
+TEST(no_method_is_brighter_than_the_furnace) {
   static const struct {
     const char *name;
     hbil_cache_method method;
@@ -450,7 +446,6 @@ static void no_method_is_brighter_than_the_furnace(void **state) {
               {"RSM, brighter", HBIL_CACHE_METHOD_RSM, 0.0},
               /* (measured: -0.025) */
               {"LPV, brighter", HBIL_CACHE_METHOD_LPV, 0.0}};
-  (void)state;
   for (size_t i = 0; i < sizeof rows / sizeof *rows * 2 * FURNACES; ++i) {
     const size_t row = i / (2 * FURNACES);
     const bool sky = i % 2;
@@ -468,11 +463,5 @@ static void no_method_is_brighter_than_the_furnace(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_lit_disc_lights_what_faces_it),
-      cmocka_unit_test(flux_stays_in_an_empty_volume),
-      cmocka_unit_test(volumes_read_out_an_even_environment),
-      cmocka_unit_test(cones_fill_the_hemisphere),
-      cmocka_unit_test(no_method_is_brighter_than_the_furnace)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

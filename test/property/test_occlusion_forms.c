@@ -70,13 +70,12 @@ static double wall_s_share(hbil_mode mode, const double corners[4][3],
 
 /* A wall without end hides half of everything: a quarter of a sphere, and by
  * symmetry half of the cosine. */
-static void the_formulas_give_half_for_an_endless_wall(void **state) {
+TEST(the_formulas_give_half_for_an_endless_wall) {
   const double far = 1e6, point[3] = {0.1, -0.2, 1.0};
   const double wall[4][3] = {{WALL_AT, -far, 1.0},
                              {WALL_AT, far, 1.0},
                              {WALL_AT, far, 1.0 - far},
                              {WALL_AT, -far, 1.0 - far}};
-  (void)state;
   check_at_most("view factor", fabs(view_factor(wall, point) - 0.5), 1e-5);
   check_at_most("solid angle", fabs(share_of_hemisphere(wall, point) - 0.5),
                 1e-5);
@@ -132,9 +131,8 @@ static double wall_error(const setup *s, const exact_planes *got) {
   return sqrt(sum / count);
 }
 
-static void walls_hide_their_visible_part(void **state) {
+TEST(walls_hide_their_visible_part) {
   const exact_dense how = {.slices = 256, .mask = some_pixels()};
-  (void)state;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
     setup s;
     exact_planes dense, kernel;
@@ -153,9 +151,8 @@ static void walls_hide_their_visible_part(void **state) {
 
 /* Occluders so thick that they reach far below the floor hide as much as those
  * without end: seen from above, nothing passes behind the wall. */
-static void very_thick_occluders_have_no_end(void **state) {
+TEST(very_thick_occluders_have_no_end) {
   const exact_dense how = {.slices = 32, .mask = some_pixels()};
-  (void)state;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
     setup endless, thick;
     exact_planes want, got;
@@ -335,8 +332,7 @@ static void check_corners(const corner *k, double limit) {
  * interval's far end: errors are of a pixel's size.  Measured: 5.4e-3 at most
  * with 193 pixels a side, a quarter of that with 769.
  */
-static void walls_within_a_radius_hide_their_share(void **state) {
-  (void)state;
+TEST(walls_within_a_radius_hide_their_share) {
   for (int scale = 1; scale <= 4; scale *= 4) {
     const int size = 192 * scale + 1, middle = 96 * scale;
     const corner centre = {size, middle, middle, 0.3, 0.3};
@@ -407,10 +403,9 @@ static double middle_value(const exact_planes *p, int plane) {
 /* measured: 1.5e-4 */
 #define RING_LIMIT 5e-4
 
-static void light_passes_behind_rings(void **state) {
+TEST(light_passes_behind_rings) {
   unsigned char *wanted = calloc(RING * RING, 1);
   const exact_dense how = {.slices = 512, .mask = wanted};
-  (void)state;
   assert_non_null(wanted);
   wanted[RING / 2 * RING + RING / 2] = 1;
   for (hbil_mode mode = HBIL_MODE_HBIL; mode <= HBIL_MODE_HBAO; ++mode) {
@@ -455,11 +450,10 @@ static void set_boards(setup *s) {
   }
 }
 
-static void a_jump_at_the_border_is_no_slope(void **state) {
+TEST(a_jump_at_the_border_is_no_slope) {
   const exact_dense how = {.slices = 64, .mask = some_pixels()};
   double sum = 0.0, count = 0.0;
   setup s;
-  (void)state;
   setup_init(&s, SIDE, SIDE);
   setup_camera(&s, 90.0);
   setup_mode(&s, HBIL_MODE_GTAO);
@@ -487,12 +481,5 @@ static void a_jump_at_the_border_is_no_slope(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_formulas_give_half_for_an_endless_wall),
-      cmocka_unit_test(walls_hide_their_visible_part),
-      cmocka_unit_test(very_thick_occluders_have_no_end),
-      cmocka_unit_test(walls_within_a_radius_hide_their_share),
-      cmocka_unit_test(light_passes_behind_rings),
-      cmocka_unit_test(a_jump_at_the_border_is_no_slope)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

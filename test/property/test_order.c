@@ -135,9 +135,8 @@ static void check_queues(cl_command_queue_properties first,
   stop(&o);
 }
 
-static void an_out_of_order_queue_keeps_the_order(void **state) {
+TEST(an_out_of_order_queue_keeps_the_order) {
   order o;
-  (void)state;
   start(&o, out_of_order, 0);
   const cl_command_queue other = o.queues[1];
   o.queues[1] = o.queues[0];
@@ -147,18 +146,15 @@ static void an_out_of_order_queue_keeps_the_order(void **state) {
   stop(&o);
 }
 
-static void two_in_order_queues_keep_the_order(void **state) {
-  (void)state;
+TEST(two_in_order_queues_keep_the_order) {
   check_queues(0, 0);
 }
 
-static void queues_of_both_kinds_keep_the_order(void **state) {
-  (void)state;
+TEST(queues_of_both_kinds_keep_the_order) {
   check_queues(0, out_of_order);
 }
 
-static void two_out_of_order_queues_keep_the_order(void **state) {
-  (void)state;
+TEST(two_out_of_order_queues_keep_the_order) {
   check_queues(out_of_order, out_of_order);
 }
 
@@ -180,10 +176,9 @@ static cl_int state_of(cl_event event) {
 
 /* A second frame waits for its own wait list and for the first frame, and its
  * event follows both. */
-static void wait_lists_are_followed_as_well(void **state) {
+TEST(wait_lists_are_followed_as_well) {
   order o;
   cl_event gates[3], event = NULL;
-  (void)state;
   start(&o, out_of_order, 0);
   for (int opened_last = 0; opened_last < 3; ++opened_last) {
     for (int i = 0; i < 3; ++i)
@@ -207,9 +202,8 @@ static void wait_lists_are_followed_as_well(void **state) {
 
 /* A call on the in-order queue of the last one makes no event that nobody
  * asked for, nor does it take a reference. */
-static void an_in_order_queue_costs_nothing(void **state) {
+TEST(an_in_order_queue_costs_nothing) {
   order o;
-  (void)state;
   start(&o, 0, 0);
   run_first(&o, 0, NULL, NULL);
   const long held = shim_references(), made = shim_events_made();
@@ -221,10 +215,9 @@ static void an_in_order_queue_costs_nothing(void **state) {
 }
 
 /* The caller may release a queue that the plan goes on to wait for. */
-static void queues_may_be_released(void **state) {
+TEST(queues_may_be_released) {
   const long before = shim_references();
   order o;
-  (void)state;
   start(&o, 0, out_of_order);
   exact_planes want = chained_frames(&o);
   hbil_plan_reset(o.s.plan);
@@ -296,17 +289,15 @@ static void check_failures(cl_command_queue_properties first,
   stop(&o);
 }
 
-static void failed_frames_keep_the_order(void **state) {
-  (void)state;
+TEST(failed_frames_keep_the_order) {
   check_failures(out_of_order, out_of_order);
   check_failures(0, 0);
 }
 
 /* The plan has an event of its own on an out-of-order queue.  Without it, the
  * next call waits for the whole queue. */
-static void an_event_that_is_not_retained_keeps_the_order(void **state) {
+TEST(an_event_that_is_not_retained_keeps_the_order) {
   order o;
-  (void)state;
   start(&o, out_of_order, out_of_order);
   exact_planes want = chained_frames(&o);
   /* from the last call backwards */
@@ -379,19 +370,17 @@ static void check_figures(cl_command_queue_properties first,
   stop(&o);
 }
 
-static void figures_wait_for_the_frame(void **state) {
-  (void)state;
+TEST(figures_wait_for_the_frame) {
   check_figures(0, 0);
   check_figures(out_of_order, out_of_order);
   check_figures(out_of_order, 0);
 }
 
 /* Timings of a frame whose passes were on two queues. */
-static void timings_are_of_both_queues(void **state) {
+TEST(timings_are_of_both_queues) {
   const cl_command_queue_properties profiling = CL_QUEUE_PROFILING_ENABLE;
   double ms[HBIL_PASS_COUNT];
   order o;
-  (void)state;
   setup_every_pass(&o.s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   o.s.config.execution.profiling = CL_TRUE;
   setup_start(&o.s);
@@ -407,17 +396,5 @@ static void timings_are_of_both_queues(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(an_out_of_order_queue_keeps_the_order),
-      cmocka_unit_test(two_in_order_queues_keep_the_order),
-      cmocka_unit_test(queues_of_both_kinds_keep_the_order),
-      cmocka_unit_test(two_out_of_order_queues_keep_the_order),
-      cmocka_unit_test(wait_lists_are_followed_as_well),
-      cmocka_unit_test(an_in_order_queue_costs_nothing),
-      cmocka_unit_test(queues_may_be_released),
-      cmocka_unit_test(failed_frames_keep_the_order),
-      cmocka_unit_test(an_event_that_is_not_retained_keeps_the_order),
-      cmocka_unit_test(figures_wait_for_the_frame),
-      cmocka_unit_test(timings_are_of_both_queues)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -89,27 +89,19 @@ static void check_frames(scene_kind kind, bool unseen_estimated) {
     check_at_most(plane_name(limits[i].id), worst[i], limits[i].limit);
 }
 
-static void frames_of_a_room_stay_near(void **state) {
-  (void)state;
+TEST(frames_of_a_room_stay_near) {
   check_frames(SCENE_ROOM, false);
 }
 
-static void frames_under_a_sky_stay_near(void **state) {
-  (void)state;
+TEST(frames_under_a_sky_stay_near) {
   check_frames(SCENE_SKY, false);
 }
 
-static void frames_with_estimated_light_stay_near(void **state) {
-  (void)state;
+TEST(frames_with_estimated_light_stay_near) {
   check_frames(SCENE_ROOM, true);
   check_frames(SCENE_SKY, true);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(frames_of_a_room_stay_near),
-      cmocka_unit_test(frames_under_a_sky_stay_near),
-      cmocka_unit_test(frames_with_estimated_light_stay_near),
-  };
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -105,36 +105,31 @@ static void check_mode(hbil_mode mode, float radius, float thickness) {
   check_planes(&s, &limit);
 }
 
-static void hbil_planes_hide_nothing(void **state) {
-  (void)state;
+TEST(hbil_planes_hide_nothing) {
   check_mode(HBIL_MODE_HBIL, INFINITY, INFINITY);
   check_mode(HBIL_MODE_HBIL, 1.0f, INFINITY);
 }
 
-static void gtao_planes_hide_nothing(void **state) {
-  (void)state;
+TEST(gtao_planes_hide_nothing) {
   check_mode(HBIL_MODE_GTAO, INFINITY, INFINITY);
   check_mode(HBIL_MODE_GTAO, 1.0f, INFINITY);
 }
 
-static void hbao_planes_hide_nothing(void **state) {
-  (void)state;
+TEST(hbao_planes_hide_nothing) {
   check_mode(HBIL_MODE_HBAO, INFINITY, INFINITY);
   check_mode(HBIL_MODE_HBAO, 1.0f, INFINITY);
   check_mode(HBIL_MODE_HBAO, 1.0f, 0.1f);
 }
 
-static void planes_with_half_float_depth_hide_nothing(void **state) {
+TEST(planes_with_half_float_depth_hide_nothing) {
   setup s;
-  (void)state;
   setup_init(&s, WIDTH, HEIGHT);
   s.config.inputs.depth.component = HBIL_FLOAT16;
   check_planes(&s, &limit);
 }
 
-static void packed_planes_hide_nothing(void **state) {
+TEST(packed_planes_hide_nothing) {
   const hbil_component depth[] = {HBIL_FLOAT32, HBIL_FLOAT16};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     setup s;
     setup_init(&s, WIDTH, HEIGHT);
@@ -188,8 +183,7 @@ static void check_coarse(const coarse *f, cl_uint vector_width) {
 
 /* By vectors of the device's own width, and by single pixels, which compile
  * fastest; test_formats reads each format by both. */
-static void planes_with_coarse_normals_hide_nothing(void **state) {
-  (void)state;
+TEST(planes_with_coarse_normals_hide_nothing) {
   for (size_t i = 0; i < sizeof coarse_forms / sizeof *coarse_forms; ++i)
     check_coarse(&coarse_forms[i], i % 3 ? 1 : 0);
 }
@@ -233,20 +227,11 @@ static void check_buffered(const buffered *f) {
   check_planes(&s, &(deviation){limit.ao, limit.light, limit.bent + turn});
 }
 
-static void planes_in_depth_buffers_hide_nothing(void **state) {
-  (void)state;
+TEST(planes_in_depth_buffers_hide_nothing) {
   for (size_t i = 0; i < sizeof buffered_forms / sizeof *buffered_forms; ++i)
     check_buffered(&buffered_forms[i]);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(hbil_planes_hide_nothing),
-      cmocka_unit_test(gtao_planes_hide_nothing),
-      cmocka_unit_test(hbao_planes_hide_nothing),
-      cmocka_unit_test(planes_with_half_float_depth_hide_nothing),
-      cmocka_unit_test(packed_planes_hide_nothing),
-      cmocka_unit_test(planes_with_coarse_normals_hide_nothing),
-      cmocka_unit_test(planes_in_depth_buffers_hide_nothing)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -96,11 +96,10 @@ static const double nearer[] = {0x1p-24,  0x1p-22,  1e-6,     1e-5, 1e-4, 1e-3,
                                 1 - 1e-5, 1 - 1e-7, 1 - 1e-10};
 #define NEARER (sizeof nearer / sizeof *nearer)
 
-static void horizons_from_the_tangent_plane_to_the_zenith(void **state) {
+TEST(horizons_from_the_tangent_plane_to_the_zenith) {
   setup *s = stress_begin(ONE_SAMPLE);
   random_state r = {stress_effort.seed};
   double worst = 0.0, mean = 0.0, count = 0.0;
-  (void)state;
   setup_camera(s, 60.0);
   for (size_t i = 0; i < NEARER * 3; ++i) {
     const double tilt = 40.0 * (double)(i / NEARER);
@@ -142,8 +141,6 @@ static void horizons_from_the_tangent_plane_to_the_zenith(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(horizons_from_the_tangent_plane_to_the_zenith)};
   stress_read_effort();
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -133,8 +133,7 @@ static void spoiled_frames(plan_kind kind, uint64_t seed, bool repaired_before,
   }
 }
 
-static void spoiled_inputs_equal_repaired_ones(void **state) {
-  (void)state;
+TEST(spoiled_inputs_equal_repaired_ones) {
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
     exact_planes got[FRAMES], want[FRAMES];
     hbil_sanitized found[FRAMES], made[FRAMES];
@@ -157,10 +156,9 @@ static void spoiled_inputs_equal_repaired_ones(void **state) {
 
 /* A static frame has the inputs of the frame before, and its counts.  Motion is
  * not read. */
-static void static_frames_repeat_the_counts(void **state) {
+TEST(static_frames_repeat_the_counts) {
   random_state r = {stress_effort.seed};
   setup *s = stress_begin(PACKED_ESTIMATE);
-  (void)state;
   STRESS_CASE("static frames");
   spoil(s, &r, 0.1);
   for (int c = 0; c < 2; ++c)
@@ -179,10 +177,9 @@ static void static_frames_repeat_the_counts(void **state) {
 
 /* Without near light, split reads depth and normals alone, and composite reads
  * the other inputs. */
-static void the_first_reader_counts(void **state) {
+TEST(the_first_reader_counts) {
   random_state r = {stress_effort.seed};
   setup *s = stress_begin(ONE_SAMPLE);
-  (void)state;
   STRESS_CASE("inputs that composite alone reads");
   for (int i = 0; i < 2; ++i) { /* each frame anew */
     spoil(s, &r, 0.1);
@@ -217,8 +214,7 @@ static size_t facing_away(const setup *s, double most) {
   return count;
 }
 
-static void normals_that_face_away_are_counted(void **state) {
-  (void)state;
+TEST(normals_that_face_away_are_counted) {
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
     setup *s = stress_begin(kind);
     STRESS_CASE("normals that face away, %s", stress_plan_names[kind]);
@@ -237,10 +233,9 @@ static void normals_that_face_away_are_counted(void **state) {
   }
 }
 
-static void counts_need_a_frame(void **state) {
+TEST(counts_need_a_frame) {
   setup *s = stress_begin(ONE_SAMPLE);
   hbil_sanitized out;
-  (void)state;
   const cl_command_queue queue = s->device->queue;
   assert_int_equal(hbil_plan_sanitized(NULL, queue, &out),
                    HBIL_INVALID_ARGUMENT);
@@ -253,13 +248,6 @@ static void counts_need_a_frame(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(spoiled_inputs_equal_repaired_ones),
-      cmocka_unit_test(static_frames_repeat_the_counts),
-      cmocka_unit_test(the_first_reader_counts),
-      cmocka_unit_test(normals_that_face_away_are_counted),
-      cmocka_unit_test(counts_need_a_frame),
-  };
   stress_read_effort();
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -121,8 +121,7 @@ static void turn(setup *s, random_state *r) {
     }
 }
 
-static void every_span_of_a_bare_wall_is_open(void **state) {
-  (void)state;
+TEST(every_span_of_a_bare_wall_is_open) {
   for (size_t k = 0; k < KINDS; ++k) {
     pair p;
     pair_start(&p, kinds[k], HBIL_SKIP_ALL);
@@ -154,8 +153,7 @@ static void one_pixel_is_seen(prepare_function *prepare, size_t seed,
   pair_free(&p);
 }
 
-static void one_pixel_anywhere_is_not_overlooked(void **state) {
-  (void)state;
+TEST(one_pixel_anywhere_is_not_overlooked) {
   for (size_t k = 0; k < KINDS; ++k)
     one_pixel_is_seen(kinds[k], k, HBIL_SKIP_ALL);
   one_pixel_is_seen(endless, 0, HBIL_SKIP_OPEN);
@@ -163,10 +161,9 @@ static void one_pixel_anywhere_is_not_overlooked(void **state) {
 
 /* A pillar around the end of the radius, a little nearer and a little farther.
  */
-static void the_edge_of_the_radius_is_exact(void **state) {
+TEST(the_edge_of_the_radius_is_exact) {
   size_t open[2] = {0, 0};
   pair p;
-  (void)state;
   pair_start(&p, limited, HBIL_SKIP_ALL); /* whose kernels are there */
   for (int i = 0; i < 40; ++i) {
     /* a pillar above the wall; 2 / fy of the wall are a pixel */
@@ -182,8 +179,7 @@ static void the_edge_of_the_radius_is_exact(void **state) {
   pair_free(&p);
 }
 
-static void rooms_are_the_same(void **state) {
-  (void)state;
+TEST(rooms_are_the_same) {
   for (size_t k = 0; k < KINDS; ++k) {
     pair p;
     pair_start(&p, kinds[k], HBIL_SKIP_ALL);
@@ -201,10 +197,9 @@ static void rooms_are_the_same(void **state) {
 /* ------------------------------------------------------------------------ */
 /* sky                                                                       */
 
-static void a_single_pixel_before_the_sky_is_seen(void **state) {
+TEST(a_single_pixel_before_the_sky_is_seen) {
   random_state r = {.state = 3};
   pair p;
-  (void)state;
   pair_start(&p, endless, HBIL_SKIP_SKY);
   for (int i = 0; i < 10; ++i) {
     pair_fill_wall(&p.with);
@@ -274,10 +269,9 @@ static void large_by_pixels(setup *s) {
   s->config.execution.vector_width = 1;
 }
 
-static void one_lamp_is_not_overlooked(void **state) {
+TEST(one_lamp_is_not_overlooked) {
   static prepare_function *const lights[] = {endless, fallback_frame_mean,
                                              large_limited, large_by_pixels};
-  (void)state;
   for (size_t k = 0; k < sizeof lights / sizeof *lights; ++k) {
     random_state r = {.state = 11 + k};
     size_t near_irradiance = 0;
@@ -314,10 +308,9 @@ static void set_line(setup *s, int column, int row, float light) {
         s->input[EXACT_EMISSION][pixel_at(x, y)] = light;
 }
 
-static void a_line_on_a_rough_wall_is_not_overlooked(void **state) {
+TEST(a_line_on_a_rough_wall_is_not_overlooked) {
   static prepare_function *const walls[] = {endless, limited, thick,
                                             limited_pixels};
-  (void)state;
   for (size_t k = 0; k < sizeof walls / sizeof *walls; ++k) {
     random_state r = {.state = 23 + k};
     pair p;
@@ -364,10 +357,9 @@ static void picture_by_a_slice(setup *s) {
   s->config.sampling.slices = 1;
 }
 
-static void metal_shows_no_irradiance(void **state) {
+TEST(metal_shows_no_irradiance) {
   static prepare_function *const pictures[] = {picture_alone, picture_by_pixels,
                                                picture_by_a_slice};
-  (void)state;
   for (size_t k = 0; k < sizeof pictures / sizeof *pictures; ++k) {
     random_state r = {.state = 5 + k};
     pair p;
@@ -398,9 +390,8 @@ static void metal_shows_no_irradiance(void **state) {
   }
 }
 
-static void irradiance_outputs_need_it(void **state) {
+TEST(irradiance_outputs_need_it) {
   setup s;
-  (void)state;
   picture_alone(&s);
   plane_format(&s.config, PLANE_AO)->component = HBIL_FLOAT32;
   setup_start(&s);
@@ -421,9 +412,8 @@ static void room_with_history(setup *s) {
   s->config.model.far_field = HBIL_FAR_FRAME;
 }
 
-static void holes_are_filled_and_nothing_else(void **state) {
+TEST(holes_are_filled_and_nothing_else) {
   pair p;
-  (void)state;
   pair_start(&p, room_with_history, HBIL_SKIP_HOLES);
   for (uint32_t i = 0; i < 4; ++i) {
     setup_load_scene(&p.with, SCENE_ROOM, i / 2); /* every frame twice */
@@ -438,10 +428,9 @@ static void holes_are_filled_and_nothing_else(void **state) {
   pair_free(&p);
 }
 
-static void statistics_need_a_frame(void **state) {
+TEST(statistics_need_a_frame) {
   hbil_statistics out;
   setup s;
-  (void)state;
   endless(&s);
   setup_start(&s);
   assert_int_equal(hbil_plan_statistics(NULL, s.device->queue, &out),
@@ -456,18 +445,5 @@ static void statistics_need_a_frame(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_span_of_a_bare_wall_is_open),
-      cmocka_unit_test(one_pixel_anywhere_is_not_overlooked),
-      cmocka_unit_test(the_edge_of_the_radius_is_exact),
-      cmocka_unit_test(rooms_are_the_same),
-      cmocka_unit_test(a_single_pixel_before_the_sky_is_seen),
-      cmocka_unit_test(one_lamp_is_not_overlooked),
-      cmocka_unit_test(a_line_on_a_rough_wall_is_not_overlooked),
-      cmocka_unit_test(metal_shows_no_irradiance),
-      cmocka_unit_test(irradiance_outputs_need_it),
-      cmocka_unit_test(holes_are_filled_and_nothing_else),
-      cmocka_unit_test(statistics_need_a_frame),
-  };
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

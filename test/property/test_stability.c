@@ -28,10 +28,9 @@ static exact_planes room_scaled(plan_kind kind, double scale) {
   return outputs_read(s);
 }
 
-static void the_unit_of_length_does_not_matter(void **state) {
+TEST(the_unit_of_length_does_not_matter) {
   /* powers of ten, whose depths are rounded anew */
   const double scales[] = {1e-6, 1e-3, 1e3, 1e6, 1e9};
-  (void)state;
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
     if (!stress_tries(kind))
       continue;
@@ -74,8 +73,7 @@ static openness openness_of(setup *s) {
   return worst;
 }
 
-static void planes_hide_nothing_at_any_tilt(void **state) {
-  (void)state;
+TEST(planes_hide_nothing_at_any_tilt) {
   for (plan_kind kind = 0; kind < PLANS; ++kind)
     for (size_t i = 0; i < VIEWS * TILTS && stress_tries(kind); ++i) {
       setup *s = stress_begin(kind);
@@ -95,9 +93,8 @@ static void planes_hide_nothing_at_any_tilt(void **state) {
     }
 }
 
-static void half_float_depth_hides_little(void **state) {
+TEST(half_float_depth_hides_little) {
   setup s;
-  (void)state;
   setup_init(&s, WIDTH, HEIGHT);
   stress_one_sample(&s);
   s.config.sampling.slices = 2;
@@ -155,8 +152,7 @@ static evenness evenness_of(setup *s) {
  * on average; fp32 by about two hundred roundings (measured: 5.8e-7). The mean
  * can drift by one rounding of 2^-24 in each of the 70 frames in between
  * (measured: 2.5e-9). */
-static void light_neither_grows_nor_fades(void **state) {
-  (void)state;
+TEST(light_neither_grows_nor_fades) {
   for (plan_kind kind = 0; kind < PLANS; ++kind) {
     if ((kind != PLAIN_ESTIMATE && kind != PACKED_ESTIMATE) ||
         !stress_tries(kind))
@@ -184,11 +180,10 @@ static void light_neither_grows_nor_fades(void **state) {
 }
 
 /* A single event that is never released would take 200 bytes in each frame. */
-static void long_sequences_take_no_memory(void **state) {
+TEST(long_sequences_take_no_memory) {
   const int frames = stress_effort.seconds > 0.0 ? 10000 : 600;
   size_t before = 0;
   setup *s = stress_begin(PACKED_ESTIMATE);
-  (void)state;
   for (int i = 0; i < frames; ++i) {
     if (i == 100)
       before = mallinfo2().uordblks;
@@ -204,13 +199,6 @@ static void long_sequences_take_no_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_unit_of_length_does_not_matter),
-      cmocka_unit_test(planes_hide_nothing_at_any_tilt),
-      cmocka_unit_test(half_float_depth_hides_little),
-      cmocka_unit_test(light_neither_grows_nor_fades),
-      cmocka_unit_test(long_sequences_take_no_memory),
-  };
   stress_read_effort();
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -75,8 +75,7 @@ static void carried_radiance(setup *s) {
   s->config.sampling.storage = HBIL_STORAGE_FLOAT32;
 }
 
-static void static_frames_are_the_same(void **state) {
-  (void)state;
+TEST(static_frames_are_the_same) {
   /* in this room, packed light settles to the last bit */
   assert_in_range(static_frames(room_with_history, 40), 2, 39);
   static_frames(carried_radiance, 3);
@@ -158,8 +157,7 @@ static void settles(prepare_function *prepare, float before, int least,
   setup_free(&plain);
 }
 
-static void light_settles(void **state) {
-  (void)state;
+TEST(light_settles) {
   settles(room_with_history, 1.0f, HBIL_EXACT_STATIC_FRAMES + 1, 0x1p-9);
   settles(room_of_floats, 1.0f, 1, 2e-6);
   settles(room_with_history, 10.0f, 1, 0x1p-9);
@@ -179,9 +177,8 @@ static void light_in_a_stripe(setup *s) {
 
 /* A lamp is switched on although the caller says that nothing changes.  The
  * light is right nevertheless. */
-static void light_may_arrive_late(void **state) {
+TEST(light_may_arrive_late) {
   pair p;
-  (void)state;
   pair_start(&p, room_with_history, HBIL_SKIP_STATIC);
   for (int i = 0; i < 4; ++i) {
     light_in_a_stripe(&p.with);
@@ -195,9 +192,8 @@ static void light_may_arrive_late(void **state) {
   pair_free(&p);
 }
 
-static void static_frames_are_checked(void **state) {
+TEST(static_frames_are_checked) {
   setup s;
-  (void)state;
   room_with_history(&s);
   setup_start(&s);
   setup_load_scene(&s, SCENE_ROOM, 0);
@@ -223,11 +219,5 @@ static void static_frames_are_checked(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(static_frames_are_the_same),
-      cmocka_unit_test(light_settles),
-      cmocka_unit_test(light_may_arrive_late),
-      cmocka_unit_test(static_frames_are_checked),
-  };
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

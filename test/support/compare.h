@@ -1,16 +1,8 @@
 /*
- * cmocka, and measures of how far planes of numbers are apart.
+ * Measures of how far planes of numbers are apart.
  */
 #ifndef HBIL_TEST_COMPARE_H
 #define HBIL_TEST_COMPARE_H
-
-/* cmocka.h needs the first four. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #include <math.h>
 #include <stdbool.h>
@@ -18,6 +10,7 @@
 #include <string.h>
 
 #include "test/support/checked_exact.h"
+#include "test/support/tests.h"
 
 /* Fails when `value` is above the limit or not a number; with HBIL_TEST_VERBOSE
  * in the environment, prints it. */

@@ -75,6 +75,11 @@ int device_finish(int failures) {
   return failures;
 }
 
+int run_with_device(void) {
+  shared_device = device_open();
+  return device_finish(tests_run());
+}
+
 cl_mem buffer_new(const device_fixture *d, size_t size, const void *bytes) {
   cl_int error;
   cl_mem buffer =

@@ -24,11 +24,8 @@ void device_close(device_fixture *d);
 /* What the tests of a group share. */
 extern device_fixture shared_device;
 
-/* Runs a group of cmocka tests with `shared_device` open; the value for main()
- * to return. */
-#define RUN_WITH_DEVICE(tests)                                                 \
-  (shared_device = device_open(),                                              \
-   device_finish(cmocka_run_group_tests((tests), NULL, NULL)))
+/* tests_run() with `shared_device` open. */
+int run_with_device(void);
 /* Closes `shared_device` and returns `failures`. */
 int device_finish(int failures);
 

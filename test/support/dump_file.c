@@ -11,11 +11,10 @@
 char dump_folder[] = "/tmp/hbil-dumps.XXXXXX";
 int dump_orthographic;
 
-int dump_make_folder(void) {
-  return mkdtemp(dump_folder) ? 0 : -1;
-}
-
-int dump_remove_folder(int failures) {
+int run_with_dumps(void) {
+  if (!mkdtemp(dump_folder))
+    return 99;
+  const int failures = tests_run();
   rmdir(dump_folder);
   return failures;
 }

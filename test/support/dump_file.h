@@ -39,29 +39,27 @@ typedef struct dump {
   double near, far; /* the camera file's clipping planes; 0: it has none */
 } dump;
 
-/* The folder of all dumps, which RUN_WITH_DUMPS creates and removes. */
+/* The folder of all dumps, which run_with_dumps() creates and removes. */
 extern char dump_folder[];
 
-/* Runs a group of cmocka tests; the value for main() to return. */
-#define RUN_WITH_DUMPS(tests)                                                  \
-  (dump_make_folder()                                                          \
-       ? 99                                                                    \
-       : dump_remove_folder(cmocka_run_group_tests((tests), NULL, NULL)))
-int dump_make_folder(void); /* -1 if it can't */
-int dump_remove_folder(int failures);
+/* tests_run() with that folder. */
+int run_with_dumps(void);
 
 /* Whether scenes are seen by an orthographic camera. */
 extern int dump_orthographic;
 int dump_see_orthographic(void **state);
 int dump_see_perspective(void **state);
-/* A test that holds for one of the cameras, or for both. */
-#define WITH_ORTHOGRAPHIC_CAMERA(test)                                         \
-  {                                                                            \
-#test " (orthographic)", test, dump_see_orthographic,                      \
-        dump_see_perspective, NULL                                             \
-  }
-#define WITH_BOTH_CAMERAS(test)                                                \
-  cmocka_unit_test(test), WITH_ORTHOGRAPHIC_CAMERA(test)
+/* Begins a test that holds for one of the cameras, or for both. */
+#define TEST_WITH_ORTHOGRAPHIC_CAMERA(name)                                    \
+  TEST_WITH(name, dump_see_orthographic, dump_see_perspective)
+#define TEST_WITH_BOTH_CAMERAS(name)                                           \
+  static void name(void **state);                                              \
+  static void name##_flat(void **state) {                                      \
+    name(state);                                                               \
+  }                                                                            \
+  TEST_ADD(name##_flat, #name " (orthographic)", dump_see_orthographic,        \
+           dump_see_perspective)                                               \
+  TEST(name)
 
 /* --- writing --- */
 

@@ -30,6 +30,11 @@ long shim_events_made(void);
 /* true: from now on no source is built, and every kernel is one that does
  * nothing.  Plans can be created within milliseconds, but not run. */
 void shim_skip_builds(bool skip);
+/* Begins a test that creates plans but runs none, so that it needs no kernel.
+ * (Under valgrind they would be compiled for its own idea of a processor.) */
+#define TEST_WITHOUT_KERNELS(name)                                             \
+  TEST_WITH(name, shim_begin_skipping, shim_end_skipping)
+int shim_begin_skipping(void **state), shim_end_skipping(void **state);
 
 /* true: from now on plans and caches of a context share programs, as they do
  * without the shim.  Else each builds its own, so that what a test sees doesn't

@@ -80,18 +80,16 @@ static void check(const pixel *p, int premultiplied, unsigned layers,
   gbuffer_free(&g);
 }
 
-static void light_is_replaced(void **state) {
+TEST(light_is_replaced) {
   const unsigned beauty = 1u << LAYER_BEAUTY, light = 1u << LAYER_INDIRECT;
-  (void)state;
   check(pixels, 0, beauty, light);
   check(pixels, 0, beauty | light, 0);
   check(pixels, 0, beauty | 1u << LAYER_ALPHA, light);
 }
 
 /* Such a picture has the share of the light that surfaces have of the pixel. */
-static void premultiplied_albedo_counts_by_coverage(void **state) {
+TEST(premultiplied_albedo_counts_by_coverage) {
   pixel half[PIXELS];
-  (void)state;
   memcpy(half, pixels, sizeof half);
   for (size_t i = 0; i < PIXELS; ++i)
     half[i].coverage = 0.5f;
@@ -101,9 +99,5 @@ static void premultiplied_albedo_counts_by_coverage(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(light_is_replaced),
-      cmocka_unit_test(premultiplied_albedo_counts_by_coverage),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -118,8 +118,7 @@ static void check_empty(hbil_far_field far_field, cl_uint width, bool flat) {
   setup_free(&with);
 }
 
-static void an_empty_cache_changes_no_far_field(void **state) {
-  (void)state;
+TEST(an_empty_cache_changes_no_far_field) {
   for (int far_field = HBIL_FAR_NONE; far_field <= HBIL_FAR_FRAME; ++far_field)
     for (int flat = 0; flat < 2; ++flat)
       check_empty((hbil_far_field)far_field, 1, flat);
@@ -128,11 +127,10 @@ static void an_empty_cache_changes_no_far_field(void **state) {
 /* The far field of the frame has the longest kernels, and each width takes one
  * projection, of which the kernels know by a few branches.  All combinations
  * follow in the long form (make stress). */
-static void an_empty_cache_changes_no_vector_width(void **state) {
+TEST(an_empty_cache_changes_no_vector_width) {
   static const cl_uint widths[] = {4, 8, 16};
   const bool all = getenv("HBIL_STRESS_SECONDS") != NULL;
   const int first = all ? HBIL_FAR_NONE : HBIL_FAR_FRAME;
-  (void)state;
   for (int far_field = first; far_field <= HBIL_FAR_FRAME; ++far_field)
     for (int i = 0; i < 3; ++i)
       for (int flat = 0; flat < 2; ++flat)
@@ -177,12 +175,11 @@ static unsigned char *saved_bytes(const setup *s) {
 }
 
 /* Frames read rounded light, so what the cache knows is compared as well. */
-static void the_order_of_views_changes_no_bit(void **state) {
+TEST(the_order_of_views_changes_no_bit) {
   static const int orders[][MIXED] = {
       {6, 5, 4, 3, 2, 1, 0}, {4, 0, 6, 1, 5, 2, 3}, {1, 4, 3, 6, 0, 5, 2}};
   hbil_view views[MIXED], shuffled[MIXED];
   setup s;
-  (void)state;
   start(&s);
   hbil_cache *cache = room_cache(&shared_device);
   s.frame.cache = cache;
@@ -264,9 +261,8 @@ static void end_sequence(sequence *q) {
   setup_free(&q->s);
 }
 
-static void every_run_gives_the_same_bits(void **state) {
+TEST(every_run_gives_the_same_bits) {
   sequence q;
-  (void)state;
   start_sequence(&q);
   const uint64_t want = hash_of_sequence(&q.s, q.views);
   for (int i = 0; i < 4; ++i)
@@ -301,15 +297,13 @@ static uint64_t hash_with_threads(const char *threads) {
   return hash;
 }
 
-static void one_thread_and_two_give_the_same_bits(void **state) {
-  (void)state;
+TEST(one_thread_and_two_give_the_same_bits) {
   assert_true(hash_with_threads("1") == hash_with_threads("2"));
 }
 
-static void every_work_group_gives_the_same_bits(void **state) {
+TEST(every_work_group_gives_the_same_bits) {
   static const size_t groups[][2] = {{32, 4}, {7, 3}};
   sequence q;
-  (void)state;
   start_sequence(&q);
   const uint64_t want = hash_of_sequence(&q.s, q.views);
   for (size_t i = 0; i < sizeof groups / sizeof *groups; ++i) {
@@ -332,12 +326,11 @@ static size_t voxels_of(const hbil_cache_counts *n) {
 
 /* What a view of 90 degrees from the middle to a wall sees is a sixth of the
  * room or a little more; the wall's voxels are two-dimensional. */
-static void a_view_of_a_wall_shows_surfaces_and_empty_space(void **state) {
+TEST(a_view_of_a_wall_shows_surfaces_and_empty_space) {
   const room r = lit_room();
   const hbil_camera camera = room_camera(middle, AHEAD, 64, 64, 90.0);
   hbil_cache *cache = room_cache(&shared_device);
   hbil_cache_counts n = room_statistics(&shared_device, cache);
-  (void)state;
   assert_int_equal(n.unseen, ALL_VOXELS);
   assert_int_equal(n.empty + n.surfaces, 0);
   hbil_view view =
@@ -389,9 +382,8 @@ static void end_with_views(setup *s, exact_planes *out) {
   setup_free(s);
 }
 
-static void an_equal_move_changes_nothing(void **state) {
+TEST(an_equal_move_changes_nothing) {
   setup s;
-  (void)state;
   exact_planes want = start_with_views(&s);
   const double coarsest = 2.0 * ROOM_VOXEL;
   move_to(&s, 0.0, 0.0, 0.0);
@@ -404,9 +396,8 @@ static void an_equal_move_changes_nothing(void **state) {
 /* Of 32 voxels, what moves out of a level by m coarse voxels each way is
  * forgotten there, and unseen when the cache is back; the room lies within the
  * middle 16 of the coarser level. */
-static void a_move_and_back_keeps_what_stayed_inside(void **state) {
+TEST(a_move_and_back_keeps_what_stayed_inside) {
   setup s;
-  (void)state;
   exact_planes want = start_with_views(&s);
   const double coarsest = 2.0 * ROOM_VOXEL;
   const hbil_cache_counts before =
@@ -437,10 +428,9 @@ static void a_move_and_back_keeps_what_stayed_inside(void **state) {
   end_with_views(&s, &want);
 }
 
-static void a_move_by_more_than_the_width_forgets_all(void **state) {
+TEST(a_move_by_more_than_the_width_forgets_all) {
   static const double places[][3] = {
       {8.0, 0.0, 0.0}, {0.0, -8.0, 0.0}, {0.0, 0.0, 1e9}, {-1e12, 1e3, 0.0}};
-  (void)state;
   for (size_t i = 0; i < sizeof places / sizeof *places; ++i) {
     setup s;
     exact_planes want = start_with_views(&s);
@@ -453,12 +443,11 @@ static void a_move_by_more_than_the_width_forgets_all(void **state) {
 
 /* A cache whose middle is far from the origin works as one at the origin: the
  * room, its views and the cache move together. */
-static void a_cache_far_away_is_as_good(void **state) {
+TEST(a_cache_far_away_is_as_good) {
   const double away[3] = {4096.0, -8192.0, 1024.0};
   const room r = lit_room();
   hbil_view views[WALLS];
   setup s;
-  (void)state;
   exact_planes want = start_with_views(&s);
   room_views(&shared_device, &r, middle, 48, HBIL_VIEW_DIRECT, views);
   for (int i = 0; i < 3; ++i) {
@@ -480,18 +469,6 @@ static void a_cache_far_away_is_as_good(void **state) {
 }
 
 int main(int argc, char **argv) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(an_empty_cache_changes_no_far_field),
-      cmocka_unit_test(an_empty_cache_changes_no_vector_width),
-      cmocka_unit_test(the_order_of_views_changes_no_bit),
-      cmocka_unit_test(every_run_gives_the_same_bits),
-      cmocka_unit_test(one_thread_and_two_give_the_same_bits),
-      cmocka_unit_test(every_work_group_gives_the_same_bits),
-      cmocka_unit_test(a_view_of_a_wall_shows_surfaces_and_empty_space),
-      cmocka_unit_test(an_equal_move_changes_nothing),
-      cmocka_unit_test(a_move_and_back_keeps_what_stayed_inside),
-      cmocka_unit_test(a_move_by_more_than_the_width_forgets_all),
-      cmocka_unit_test(a_cache_far_away_is_as_good)};
   program = argv[0];
-  return argc > 1 ? print_hash() : RUN_WITH_DEVICE(tests);
+  return argc > 1 ? print_hash() : run_with_device();
 }

@@ -157,21 +157,18 @@ static void check_rounds(cl_uint width, scene_kind kind, hbil_view_light light,
   exact_cache_free(&cache);
 }
 
-static void rounds_match_at_every_width(void **state) {
+TEST(rounds_match_at_every_width) {
   static const cl_uint widths[] = {1, 4, 8, 16};
-  (void)state;
   for (int i = 0; i < 4; ++i)
     check_rounds(widths[i], SCENE_ROOM, HBIL_VIEW_DIRECT, HBIL_FAR_NONE);
 }
 
-static void rounds_match_with_every_far_field(void **state) {
-  (void)state;
+TEST(rounds_match_with_every_far_field) {
   for (int far = HBIL_FAR_CONSTANT; far <= HBIL_FAR_FRAME; ++far)
     check_rounds(8, SCENE_SKY, HBIL_VIEW_DIRECT, (hbil_far_field)far);
 }
 
-static void finished_radiance_is_sent_as_it_is(void **state) {
-  (void)state;
+TEST(finished_radiance_is_sent_as_it_is) {
   check_rounds(8, SCENE_ROOM, HBIL_VIEW_FINISHED, HBIL_FAR_NONE);
 }
 
@@ -240,8 +237,7 @@ static void check_change(cl_uint width, float factor, double part, int views,
   cache_free(&f);
 }
 
-static void what_is_not_seen_follows_what_is(void **state) {
-  (void)state;
+TEST(what_is_not_seen_follows_what_is) {
   for (int views = 1; views <= 3; ++views) {
     check_change(8, 0.0f, 1.0, views, true); /* nothing is left of what was */
     check_change(8, 0.0f, 0.95, views, true);
@@ -323,8 +319,7 @@ static void check_forgotten(hbil_view_light kind, float surfaces, float light,
   cache_free(&f);
 }
 
-static void what_is_told_is_forgotten(void **state) {
-  (void)state;
+TEST(what_is_told_is_forgotten) {
   check_forgotten(HBIL_VIEW_DIRECT, 0.25f, 0.6f, 5.0);
   check_forgotten(HBIL_VIEW_DIRECT, 1.0f, 0.0f, 5.0);
   check_forgotten(HBIL_VIEW_FINISHED, 0.5f, 1.0f, 0.0); /* everywhere */
@@ -359,9 +354,8 @@ static float *after_bounces(cl_uint bounces, int updates, size_t *bytes) {
 }
 
 /* The rays of an update serve all its bounces. */
-static void rounds_are_like_updates(void **state) {
+TEST(rounds_are_like_updates) {
   size_t bytes;
-  (void)state;
   float *one = after_bounces(1, 1, &bytes),
         *three = after_bounces(1, 3, &bytes);
   float *at_once = after_bounces(3, 1, &bytes);
@@ -404,10 +398,9 @@ static float *after_updates(int updates, int views, hbil_far_field far,
   return take_voxels(&f, &s, &cache, bytes);
 }
 
-static void what_is_left_out_changes_nothing(void **state) {
+TEST(what_is_left_out_changes_nothing) {
   static const hbil_far_field far[] = {HBIL_FAR_CONSTANT, HBIL_FAR_FRAME};
   size_t bytes;
-  (void)state;
   for (int views = 0; views < 4; views += 3)
     for (int i = 0; i < 2; ++i) {
       float *some = after_updates(40, views, far[i], false, &bytes);
@@ -441,11 +434,10 @@ static bool rests(cache_fixture *f, const hbil_cache_update *update) {
 }
 
 /* Light at rest is left alone, until something changes. */
-static void light_comes_to_rest(void **state) {
+TEST(light_comes_to_rest) {
   cache_fixture f;
   setup s;
   hbil_cache_update update;
-  (void)state;
   hbil_cache_update_init(&update);
   exact_cache cache = filled(&f, 8, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
   assert_false(rests(&f, &update));
@@ -542,12 +534,11 @@ static bool hits_are_surfaces(const uint32_t *states, const uint32_t *hits) {
 /* Behind an injection, new surfaces and those whose turn it is have the hits of
  * an update that traces everything, the others those of the last update; after
  * all turns, all have the former. */
-static void rays_are_traced_in_turn(void **state) {
+TEST(rays_are_traced_in_turn) {
   cache_fixture f;
   setup s, other, another;
   traced turn[HBIL_CACHE_TURNS];
   int fresh = 0, taken = 0, old = 0;
-  (void)state;
   exact_cache cache = filled(&f, 8, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
   traced before = trace(&f);
   assert_int_equal(before.args.turns, 1);
@@ -627,10 +618,9 @@ static bool injects(cache_fixture *f, const setup *s, cl_bool is_static) {
   return changed;
 }
 
-static void static_views_are_injected_until_means_settle(void **state) {
+TEST(static_views_are_injected_until_means_settle) {
   cache_fixture f;
   setup s;
-  (void)state;
   exact_cache cache = filled(&f, 8, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
   for (int k = EXACT_DIRECT; k < EXACT_DIRECT + 3; ++k)
     for (size_t i = 0; i < setup_pixels(&s); ++i)
@@ -688,13 +678,12 @@ static void crowd(const exact_cache *cache, double share) {
   free(voxels);
 }
 
-static void many_surfaces_have_fewer_rays(void **state) {
+TEST(many_surfaces_have_fewer_rays) {
   static const struct {
     cl_uint width;
     double share;
     int rays;
   } cases[] = {{16, 0.15, 8}, {8, 0.6, 2}, {4, 0.3, 4}, {1, 0.3, 4}};
-  (void)state;
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     cache_fixture f;
     setup s;
@@ -715,17 +704,5 @@ static void many_surfaces_have_fewer_rays(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rounds_match_at_every_width),
-      cmocka_unit_test(rounds_match_with_every_far_field),
-      cmocka_unit_test(what_is_not_seen_follows_what_is),
-      cmocka_unit_test(what_is_told_is_forgotten),
-      cmocka_unit_test(finished_radiance_is_sent_as_it_is),
-      cmocka_unit_test(rounds_are_like_updates),
-      cmocka_unit_test(what_is_left_out_changes_nothing),
-      cmocka_unit_test(light_comes_to_rest),
-      cmocka_unit_test(rays_are_traced_in_turn),
-      cmocka_unit_test(static_views_are_injected_until_means_settle),
-      cmocka_unit_test(many_surfaces_have_fewer_rays)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

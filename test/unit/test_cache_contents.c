@@ -27,12 +27,11 @@ static void inject_odd(room_scene *t, const hbil_view *view, const char *what) {
   assert_finite(&t->s, what);
 }
 
-static void odd_views_do_no_harm(void **state) {
+TEST(odd_views_do_no_harm) {
   static const int sizes[][2] = {{1, 1}, {16384, 1}, {1, 16384}, {5, 3}};
   const double in_wall[3] = {1.6, 0.0, 0.0}, outside[3] = {0.0, 0.0, -60.0};
   const room r = room_lit();
   room_scene t;
-  (void)state;
   room_start(&t);
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i)
     for (int light = 0; light < 2; ++light) {
@@ -66,10 +65,9 @@ static void odd_views_do_no_harm(void **state) {
 }
 
 /* A view that shows nothing of the extent changes nothing, wherever it is. */
-static void views_of_other_places_change_nothing(void **state) {
+TEST(views_of_other_places_change_nothing) {
   static const double far_away[] = {1e3, 1e6, 1e9, 1e15};
   room_scene t;
-  (void)state;
   room_start(&t);
   for (size_t i = 0; i < sizeof far_away / sizeof *far_away; ++i) {
     hbil_view view = t.views[AHEAD];
@@ -88,10 +86,9 @@ static void views_of_other_places_change_nothing(void **state) {
 
 /* What was injected is not lit before an update.  Buffers are full of
  * not-a-numbers at first, and of old light after a reset or a move. */
-static void nothing_is_shown_before_an_update(void **state) {
+TEST(nothing_is_shown_before_an_update) {
   const double elsewhere[3] = {1e6, 0.0, 0.0};
   room_scene t;
-  (void)state;
   room_start(&t);
   hbil_cache *const first = t.s.frame.cache;
   shim_guard_buffers(true);
@@ -120,11 +117,10 @@ static void nothing_is_shown_before_an_update(void **state) {
 
 /* Every plane in turn holds NaN, infinities and values that are far too large,
  * at every third pixel and at all. */
-static void views_of_nonsense_leave_frames_finite(void **state) {
+TEST(views_of_nonsense_leave_frames_finite) {
   static const float nonsense[] = {NAN,    INFINITY, -INFINITY, 3e38f,
                                    -3e38f, 1e-42f,   0.0f,      -1.0f};
   room_scene t;
-  (void)state;
   room_start(&t);
   for (int p = 0; p < 5; ++p)
     for (size_t k = 0; k < sizeof nonsense / sizeof *nonsense; ++k)
@@ -180,10 +176,9 @@ static void update_once(const setup *s, hbil_cache *cache) {
 
 /* The next frames of a cache that took the bytes are those of the cache that
  * gave them, bounces included, and its room_middle is that one's, too. */
-static void saved_bytes_give_the_same_frames(void **state) {
+TEST(saved_bytes_give_the_same_frames) {
   const double centre[3] = {0.25, 0.0, -0.25}, elsewhere[3] = {50.0, 0.0, 0.0};
   room_scene t;
-  (void)state;
   room_start(&t);
   hbil_cache *const first = t.s.frame.cache, *second;
   assert_success(&t.s, hbil_enqueue_cache_move(first, shared_device.queue,
@@ -214,9 +209,8 @@ static void saved_bytes_give_the_same_frames(void **state) {
 }
 
 /* A frame right after it was loaded, without an update. */
-static void a_loaded_cache_shows_what_the_saved_one_did(void **state) {
+TEST(a_loaded_cache_shows_what_the_saved_one_did) {
   room_scene t;
-  (void)state;
   room_start(&t);
   hbil_cache *const first = t.s.frame.cache;
   saved v = save(&t.s);
@@ -232,10 +226,9 @@ static void a_loaded_cache_shows_what_the_saved_one_did(void **state) {
 
 /* Bounces under a sky, with places that no view has seen: what these get
  * depends on what surfaces have told of the sky. */
-static void saved_bytes_have_what_bounces_need(void **state) {
+TEST(saved_bytes_have_what_bounces_need) {
   hbil_cache_update u;
   room_scene t;
-  (void)state;
   room_start(&t);
   hbil_cache *const first = t.s.frame.cache;
   hbil_cache_update_init(&u);
@@ -274,9 +267,8 @@ static void reject_bytes(room_scene *t, const saved *v, const char *what) {
 }
 
 /* Nothing of what was in the device's memory before is saved. */
-static void saved_bytes_hold_nothing_else(void **state) {
+TEST(saved_bytes_hold_nothing_else) {
   room_scene t;
-  (void)state;
   room_start(&t);
   hbil_cache *const first = t.s.frame.cache;
   assert_success(&t.s, hbil_enqueue_cache_reset(first, shared_device.queue, 0,
@@ -299,9 +291,8 @@ static void saved_bytes_hold_nothing_else(void **state) {
 }
 
 /* Any damaged byte is found: one of the head, one of each part, the last. */
-static void damaged_bytes_change_nothing(void **state) {
+TEST(damaged_bytes_change_nothing) {
   room_scene t;
-  (void)state;
   room_start(&t);
   saved v = save(&t.s);
   for (int bit = 0; bit < 8; bit += 7)
@@ -378,12 +369,11 @@ static void ask_for_all_outputs(room_scene *t) {
 
 /* Every float of every voxel in turn is nonsense, and one time all voxels are
  * said to be surfaces. */
-static void forged_bytes_leave_frames_finite(void **state) {
+TEST(forged_bytes_leave_frames_finite) {
   static const float nonsense[] = {NAN,   INFINITY, -INFINITY,
                                    3e38f, -3e38f,   1.0f};
   const size_t voxels = (size_t)32 * 32 * 32 * 2;
   room_scene t;
-  (void)state;
   room_start(&t);
   ask_for_all_outputs(&t);
   saved v = save(&t.s);
@@ -407,9 +397,8 @@ static void forged_bytes_leave_frames_finite(void **state) {
 }
 
 /* A middle near the end of 64 bits would overflow in the next move. */
-static void bytes_from_beyond_are_rejected(void **state) {
+TEST(bytes_from_beyond_are_rejected) {
   room_scene t;
-  (void)state;
   room_start(&t);
   saved v = save(&t.s);
   hbil_cache_saved_head head;
@@ -423,9 +412,8 @@ static void bytes_from_beyond_are_rejected(void **state) {
   room_stop(&t);
 }
 
-static void bytes_of_other_caches_change_nothing(void **state) {
+TEST(bytes_of_other_caches_change_nothing) {
   room_scene t;
-  (void)state;
   room_start(&t);
   for (int i = 0; i < 3; ++i) {
     hbil_cache_config config = room_cache_config();
@@ -447,18 +435,5 @@ static void bytes_of_other_caches_change_nothing(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(odd_views_do_no_harm),
-      cmocka_unit_test(views_of_other_places_change_nothing),
-      cmocka_unit_test(views_of_nonsense_leave_frames_finite),
-      cmocka_unit_test(nothing_is_shown_before_an_update),
-      cmocka_unit_test(saved_bytes_give_the_same_frames),
-      cmocka_unit_test(a_loaded_cache_shows_what_the_saved_one_did),
-      cmocka_unit_test(saved_bytes_have_what_bounces_need),
-      cmocka_unit_test(saved_bytes_hold_nothing_else),
-      cmocka_unit_test(damaged_bytes_change_nothing),
-      cmocka_unit_test(forged_bytes_leave_frames_finite),
-      cmocka_unit_test(bytes_from_beyond_are_rejected),
-      cmocka_unit_test(bytes_of_other_caches_change_nothing)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -69,12 +69,11 @@ static void check_areas(const exact_cache *cache) {
 }
 
 /* Of all sizes of caches; behind a move, rows wrap around in other places. */
-static void areas_match(void **state) {
+TEST(areas_match) {
   static const struct {
     cl_uint width, voxels;
     double move;
   } runs[] = {{1, 16, 0.0}, {8, 16, 1.1}, {8, 32, 0.0}, {4, 64, -1.7}};
-  (void)state;
   for (size_t i = 0; i < sizeof runs / sizeof *runs; ++i) {
     cache_fixture f;
     exact_cache cache;
@@ -165,8 +164,7 @@ static void check_pyramid(cl_uint voxels) {
   cache_free(&f);
 }
 
-static void pyramids_match(void **state) {
-  (void)state;
+TEST(pyramids_match) {
   check_pyramid(16);
   check_pyramid(32);
 }
@@ -293,8 +291,7 @@ static void check_volumes(cl_uint width, cl_uint voxels,
   cache_free(&f);
 }
 
-static void volumes_match(void **state) {
-  (void)state;
+TEST(volumes_match) {
   for (int i = 0; i < 4; ++i)
     check_volumes(widths[i], i < 3 ? 32 : 16, HBIL_FAR_SH);
   check_volumes(8, 16, HBIL_FAR_CONSTANT);
@@ -345,14 +342,13 @@ static void check_probes(const lit_frame *l, const char *name,
   exact_probes_free((exact_probes *)&got);
 }
 
-static void cones_match(void **state) {
+TEST(cones_match) {
   /* A sample on the other side of a voxel's border changes a probe (measured:
    * one of 300 does).  The others are off by roundings: derived, a place 64
    * voxels away by 2^-18 voxels, and opacity by ten times that, as the least
    * share of a sample that has been seen is 1/20 of two voxels (measured: 8e-6,
    * 2e-5). */
   static const tolerance t = {4e-5, 4e-5, 0.02};
-  (void)state;
   for (int i = 0; i < 4; ++i) {
     lit_frame l;
     lit_prepare(
@@ -373,9 +369,8 @@ static void cones_match(void **state) {
   }
 }
 
-static void volumes_at_probes_match(void **state) {
+TEST(volumes_at_probes_match) {
   static const tolerance t = {1e-6, 2e-5, 0.0};
-  (void)state;
   for (int i = 0; i < 4; ++i) {
     lit_frame l;
     hbil_cache_update update;
@@ -447,13 +442,12 @@ static void light_up(lit_frame *l, scene_kind kind,
     setup_free(&s[i]);
 }
 
-static void lights_match(void **state) {
+TEST(lights_match) {
   /* A sample on the other side of a texel's border changes a probe.  Azimuths
    * are fractions of multiples of the golden ratio up to 160, so they are off
    * by up to 2^-17 of a turn, 1/200 of a texel at a hundred texels (measured:
    * 6.4 % of the probes, each of which has 768 samples). */
   static const tolerance t = {1e-6, 1e-4, 0.13};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     lit_frame l;
     exact_cache_view lights[LIGHTS];
@@ -478,11 +472,5 @@ static void lights_match(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(areas_match),
-                                     cmocka_unit_test(pyramids_match),
-                                     cmocka_unit_test(volumes_match),
-                                     cmocka_unit_test(cones_match),
-                                     cmocka_unit_test(volumes_at_probes_match),
-                                     cmocka_unit_test(lights_match)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -155,8 +155,7 @@ static void check_views(cl_uint width, scene_kind kind,
   exact_cache_free(&cache);
 }
 
-static void views_tell_voxels_what_they_show(void **state) {
-  (void)state;
+TEST(views_tell_voxels_what_they_show) {
   for (int i = 0; i < 4; ++i) {
     check_views(widths[i], SCENE_ROOM, HBIL_PROJECTION_PERSPECTIVE, i & 1,
                 HBIL_DIRECT_IRRADIANCE);
@@ -170,10 +169,9 @@ static void views_tell_voxels_what_they_show(void **state) {
 }
 
 /* 1024 x 600 pixels are more than fit into the table. */
-static void of_large_views_some_pixels_are_read(void **state) {
+TEST(of_large_views_some_pixels_are_read) {
   cache_fixture f;
   setup s;
-  (void)state;
   cache_prepare(&f, 8);
   exact_cache cache = checked_cache(&f);
   view_start(&s, SCENE_ROOM, 1024, 600, 0, HBIL_PROJECTION_PERSPECTIVE);
@@ -211,12 +209,11 @@ static void check_move(cache_fixture *f, exact_cache *cache,
   exact_cache_free(&after);
 }
 
-static void what_stays_inside_has_its_values(void **state) {
+TEST(what_stays_inside_has_its_values) {
   static const double by[][3] = {
       {0.5, 0.0, 0.0}, {-0.46, 0.93, -1.4}, {0.0, -7.0, 2.3}, {90, 0, 0}};
   cache_fixture f;
   setup s;
-  (void)state;
   cache_prepare(&f, 8);
   exact_cache cache = checked_cache(&f);
   view_start(&s, SCENE_ROOM, 160, 90, 0, HBIL_PROJECTION_PERSPECTIVE);
@@ -293,8 +290,7 @@ static void check_ways(exact_cache *cache) {
   free(codes);
 }
 
-static void ways_are_the_finest_state_that_is_known(void **state) {
-  (void)state;
+TEST(ways_are_the_finest_state_that_is_known) {
   for (int kind = 0; kind < SCENE_KINDS; ++kind) {
     cache_fixture f;
     setup s;
@@ -311,10 +307,5 @@ static void ways_are_the_finest_state_that_is_known(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(views_tell_voxels_what_they_show),
-      cmocka_unit_test(of_large_views_some_pixels_are_read),
-      cmocka_unit_test(what_stays_inside_has_its_values),
-      cmocka_unit_test(ways_are_the_finest_state_that_is_known)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

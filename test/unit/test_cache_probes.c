@@ -111,9 +111,8 @@ static void check_making(cl_uint width, scene_kind kind,
   lit_free(&l);
 }
 
-static void probes_match(void **state) {
+TEST(probes_match) {
   static const cl_uint widths[] = {1, 4, 8, 16};
-  (void)state;
   for (int i = 0; i < 4; ++i)
     check_making(widths[i], i & 1 ? SCENE_SKY : SCENE_ROOM,
                  HBIL_PROJECTION_PERSPECTIVE,
@@ -193,8 +192,7 @@ static void check_following(hbil_projection projection, bool turned) {
   lit_free(&l);
 }
 
-static void probes_are_followed(void **state) {
-  (void)state;
+TEST(probes_are_followed) {
   for (int i = 0; i < 4; ++i)
     check_following(i & 1 ? HBIL_PROJECTION_ORTHOGRAPHIC
                           : HBIL_PROJECTION_PERSPECTIVE,
@@ -295,9 +293,8 @@ static void check_falling(cl_uint width, hbil_projection projection,
   lit_free(&l);
 }
 
-static void handed_on_light_falls(void **state) {
+TEST(handed_on_light_falls) {
   static const cl_uint widths[] = {1, 4, 8, 16};
-  (void)state;
   for (int i = 0; i < 4; ++i)
     check_falling(widths[i],
                   i == 2 ? HBIL_PROJECTION_ORTHOGRAPHIC
@@ -417,9 +414,8 @@ static void check_join(cl_uint width, hbil_far_field far,
   lit_free(&l);
 }
 
-static void light_of_probes_matches(void **state) {
+TEST(light_of_probes_matches) {
   static const cl_uint widths[] = {1, 4, 8, 16};
-  (void)state;
   for (int i = 0; i < 4; ++i)
     check_join(widths[i], (hbil_far_field)(3 - i), HBIL_PROJECTION_PERSPECTIVE,
                true);
@@ -432,11 +428,10 @@ static void light_of_probes_matches(void **state) {
 
 /* The cosine-weighted integrals of 1 and of the direction over a cone about b,
  * over pi, are the open share and the open share times the mean direction. */
-static void the_mean_direction_is_that_of_a_cone(void **state) {
+TEST(the_mean_direction_is_that_of_a_cone) {
   enum { POLAR = 2000, AZIMUTHS = 64 };
   const vec3 b = vec_normalize(vec(0.3, -0.7, 0.4));
   double worst = 0.0;
-  (void)state;
   for (int k = 0; k <= 20; ++k) {
     const double t = k / 20.0, ao = 1.0 - t * t;
     double sum[4] = {0.0, 0.0, 0.0, 0.0}, mean[4];
@@ -459,9 +454,8 @@ static void the_mean_direction_is_that_of_a_cone(void **state) {
 }
 
 /* An even field that all is known of sends pi AO L, whatever the directions. */
-static void an_even_known_field_sends_pi_ao_l(void **state) {
+TEST(an_even_known_field_sends_pi_ao_l) {
   const double colour[3] = {0.5, 2.0, 7.0};
-  (void)state;
   for (int far = HBIL_FAR_NONE; far <= HBIL_FAR_FRAME; ++far) {
     setup s;
     exact_probes probes;
@@ -504,12 +498,5 @@ static void an_even_known_field_sends_pi_ao_l(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(probes_match),
-      cmocka_unit_test(probes_are_followed),
-      cmocka_unit_test(handed_on_light_falls),
-      cmocka_unit_test(light_of_probes_matches),
-      cmocka_unit_test(the_mean_direction_is_that_of_a_cone),
-      cmocka_unit_test(an_even_known_field_sends_pi_ao_l)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

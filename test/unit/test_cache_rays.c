@@ -189,8 +189,7 @@ static void compare(const exact_cache *cache, const bundle *b, bool has_sky) {
   assert_true(!has_sky || ends[EXACT_RAY_SKY] > ORIGINS / 8);
 }
 
-static void rays_end_where_exact_rays_end(void **state) {
-  (void)state;
+TEST(rays_end_where_exact_rays_end) {
   bundle *b = calloc(1, sizeof *b);
   assert_non_null(b);
   for (int kind = 0; kind < SCENE_KINDS; ++kind) {
@@ -218,13 +217,12 @@ static void rays_end_where_exact_rays_end(void **state) {
 
 /* Of each other level, all has been looked through: what a ray meets there is
  * known to the finest level alone, which it must not pass in a large step. */
-static void rays_enter_the_finest_level(void **state) {
+TEST(rays_enter_the_finest_level) {
   cache_fixture f;
   setup s;
   hbil_cache_update none;
   size_t bytes;
   bundle *b = calloc(1, sizeof *b);
-  (void)state;
   assert_non_null(b);
   hbil_cache_update_init(&none);
   none.bounces = 0;
@@ -281,12 +279,11 @@ static void compare_saved(const exact_saved_cache *saved,
     assert_true(ends[i] > ORIGINS / 8);
 }
 
-static void saved_bytes_hold_the_same_surfaces(void **state) {
+TEST(saved_bytes_hold_the_same_surfaces) {
   cache_fixture f;
   setup s;
   exact_saved_cache saved;
   bundle *b = calloc(1, sizeof *b);
-  (void)state;
   assert_non_null(b);
   cache_prepare(&f, 8);
   exact_cache cache = checked_cache(&f);
@@ -426,12 +423,11 @@ static void tell(const exact_cache *cache, area_places *b) {
   clReleaseProgram(program);
 }
 
-static void areas_tell_up_to_their_ends(void **state) {
+TEST(areas_tell_up_to_their_ends) {
   random_state r = {23};
   double off = 0.0;
   int told = 0;
   area_places *b = calloc(1, sizeof *b);
-  (void)state;
   assert_non_null(b);
   exact_cache cache = cache_of_areas(&r);
   make_places(&r, b);
@@ -456,10 +452,5 @@ static void areas_tell_up_to_their_ends(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rays_end_where_exact_rays_end),
-      cmocka_unit_test(rays_enter_the_finest_level),
-      cmocka_unit_test(saved_bytes_hold_the_same_surfaces),
-      cmocka_unit_test(areas_tell_up_to_their_ends)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

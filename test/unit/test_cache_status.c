@@ -44,8 +44,7 @@ static const char *spoil_config(hbil_cache_config *c, int which) {
   return NULL;
 }
 
-static void bad_configurations_are_rejected_by_name(void **state) {
-  (void)state;
+TEST(bad_configurations_are_rejected_by_name) {
   for (int i = 0;; ++i) {
     hbil_cache_config c = room_cache_config();
     hbil_cache *cache = (hbil_cache *)&c;
@@ -64,12 +63,11 @@ static void bad_configurations_are_rejected_by_name(void **state) {
   }
 }
 
-static void defaults_are_those_of_the_header(void **state) {
+TEST(defaults_are_those_of_the_header) {
   hbil_cache_config c;
   hbil_config plan;
   hbil_cache_update u;
   hbil_view v;
-  (void)state;
   hbil_cache_config_init(&c);
   hbil_config_init(&plan);
   assert_int_equal(c.struct_size, sizeof c);
@@ -92,8 +90,7 @@ static void defaults_are_those_of_the_header(void **state) {
 
 /* What a plan and a cache take from each other; a thickness that isn't the
  * default one is the caller's. */
-static void a_plan_uses_a_cache(void **state) {
-  (void)state;
+TEST(a_plan_uses_a_cache) {
   for (int i = 0; i < 2; ++i) {
     hbil_cache_config c = room_cache_config();
     hbil_config plan;
@@ -116,9 +113,8 @@ static void a_plan_uses_a_cache(void **state) {
   }
 }
 
-static void a_plan_needs_the_size_of_voxels(void **state) {
+TEST(a_plan_needs_the_size_of_voxels) {
   static const double wrong[] = {0.0, -0.1, NAN};
-  (void)state;
   for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
     hbil_cache_config c = room_cache_config();
     hbil_config plan;
@@ -135,11 +131,10 @@ static void a_plan_needs_the_size_of_voxels(void **state) {
 /* Views                                                                     */
 
 /* All that a frame and its plan say of a view. */
-static void a_frame_is_a_view(void **state) {
+TEST(a_frame_is_a_view) {
   hbil_config plan;
   hbil_frame frame;
   hbil_view view;
-  (void)state;
   hbil_config_init(&plan);
   hbil_frame_init(&frame);
   plan.width = 320;
@@ -196,10 +191,9 @@ static const char *spoil_view(hbil_view *v, int which) {
 
 /* Wrong as the only view, and behind a right one, which isn't injected then.
  * The right one has other light, so that it would be seen. */
-static void bad_views_are_rejected_by_name(void **state) {
+TEST(bad_views_are_rejected_by_name) {
   room_scene t;
   room r = room_lit();
-  (void)state;
   room_start(&t);
   r.direct[BEHIND] = 50.0f;
   const hbil_camera camera = room_camera(room_middle, BEHIND, 32, 32, 90.0);
@@ -243,10 +237,9 @@ static cl_context other_context(void) {
   return context;
 }
 
-static void planes_of_other_contexts_are_rejected(void **state) {
+TEST(planes_of_other_contexts_are_rejected) {
   room_scene t;
   cl_int error;
-  (void)state;
   room_start(&t);
   const cl_context context = other_context();
   hbil_view view = t.views[0];
@@ -283,10 +276,9 @@ static const char *spoil_update(hbil_cache_update *u, int which) {
   return NULL;
 }
 
-static void bad_updates_and_moves_are_rejected(void **state) {
+TEST(bad_updates_and_moves_are_rejected) {
   static const double bad[] = {NAN, INFINITY, -INFINITY, 1e300};
   room_scene t;
-  (void)state;
   room_start(&t);
   cl_event event = NULL;
   for (int i = 0;; ++i) {
@@ -312,12 +304,11 @@ static void bad_updates_and_moves_are_rejected(void **state) {
   room_stop(&t);
 }
 
-static void bad_changes_are_rejected(void **state) {
+TEST(bad_changes_are_rejected) {
   static const float bad[] = {-0.1f, 1.1f, NAN};
   room_scene t;
   hbil_cache_change change;
   cl_event event = NULL;
-  (void)state;
   room_start(&t);
   hbil_cache *cache = t.s.frame.cache;
   for (int i = 0; i < 9; ++i) {
@@ -355,11 +346,10 @@ static void reject_frame(const setup *s, const char *what) {
   assert_null(event);
 }
 
-static void frames_reject_caches_that_are_not_theirs(void **state) {
+TEST(frames_reject_caches_that_are_not_theirs) {
   room_scene t;
   setup plain;
   device_fixture other = shared_device;
-  (void)state;
   room_start(&t);
   hbil_cache *const own = t.s.frame.cache;
   assert_int_equal(hbil_context_create(other.context, other.id, &other.hbil),
@@ -381,9 +371,8 @@ static void frames_reject_caches_that_are_not_theirs(void **state) {
 }
 
 /* Modes without light have no use for a cache. */
-static void other_modes_have_no_cache(void **state) {
+TEST(other_modes_have_no_cache) {
   static const hbil_mode modes[] = {HBIL_MODE_GTAO, HBIL_MODE_HBAO};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     setup s;
     hbil_plan *plan = NULL;
@@ -401,7 +390,7 @@ static void other_modes_have_no_cache(void **state) {
 
 #define INVALID(call) assert_int_equal((call), HBIL_INVALID_ARGUMENT)
 
-static void null_arguments_are_rejected(void **state) {
+TEST(null_arguments_are_rejected) {
   const hbil_cache_config config = room_cache_config();
   hbil_context *const context = shared_device.hbil;
   const cl_command_queue queue = shared_device.queue;
@@ -409,7 +398,6 @@ static void null_arguments_are_rejected(void **state) {
   hbil_cache *none = NULL;
   size_t bytes;
   room_scene t;
-  (void)state;
   room_start(&t);
   hbil_cache *const cache = t.s.frame.cache;
   INVALID(hbil_cache_memory(NULL, &config, &bytes));
@@ -454,10 +442,9 @@ static void null_arguments_are_rejected(void **state) {
   room_stop(&t);
 }
 
-static void queues_and_events_of_other_contexts_are_rejected(void **state) {
+TEST(queues_and_events_of_other_contexts_are_rejected) {
   room_scene t;
   cl_int error;
-  (void)state;
   room_start(&t);
   const cl_context context = other_context();
   const cl_command_queue queue =
@@ -480,19 +467,5 @@ static void queues_and_events_of_other_contexts_are_rejected(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(bad_configurations_are_rejected_by_name),
-      cmocka_unit_test(defaults_are_those_of_the_header),
-      cmocka_unit_test(a_plan_uses_a_cache),
-      cmocka_unit_test(a_plan_needs_the_size_of_voxels),
-      cmocka_unit_test(a_frame_is_a_view),
-      cmocka_unit_test(bad_views_are_rejected_by_name),
-      cmocka_unit_test(planes_of_other_contexts_are_rejected),
-      cmocka_unit_test(bad_updates_and_moves_are_rejected),
-      cmocka_unit_test(bad_changes_are_rejected),
-      cmocka_unit_test(frames_reject_caches_that_are_not_theirs),
-      cmocka_unit_test(other_modes_have_no_cache),
-      cmocka_unit_test(null_arguments_are_rejected),
-      cmocka_unit_test(queues_and_events_of_other_contexts_are_rejected)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -4,17 +4,13 @@
  * camera that is made of them, in every convention.
  */
 #include "test/support/random.h"
+#include "test/support/tests.h"
 
 #include <hbil/hbil.h>
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 enum { WIDTH = 1283, HEIGHT = 719 };
 
@@ -212,13 +208,11 @@ static void check_all(bool orthographic) {
       }
 }
 
-static void perspective_points_stay_where_they_were(void **state) {
-  (void)state;
+TEST(perspective_points_stay_where_they_were) {
   check_all(false);
 }
 
-static void orthographic_points_stay_where_they_were(void **state) {
-  (void)state;
+TEST(orthographic_points_stay_where_they_were) {
   check_all(true);
 }
 
@@ -230,7 +224,7 @@ static double determinant(const double m[16]) {
 
 /* gluPerspective(), and a view as Blender's: this is hbil_camera_from_opengl().
  * 1.3 half widths and 2.1 half heights are the focal lengths. */
-static void opengl_is_the_same_both_ways(void **state) {
+TEST(opengl_is_the_same_both_ways) {
   const renderer r = {.looks = -1,
                       .right = 1,
                       .up = 1,
@@ -242,7 +236,6 @@ static void opengl_is_the_same_both_ways(void **state) {
   double p[16], v[16], camera_to_world[16] = {0};
   hbil_camera want, got;
   double depth[2];
-  (void)state;
   projection_of(&r, p);
   view_of(&r, v);
   for (int i = 0; i < 3; ++i)
@@ -278,7 +271,7 @@ static void opengl_is_the_same_both_ways(void **state) {
 
 /* Direct3D's left-handed world and view, reversed depth without a far plane: at
  * the origin, looking along z with y up.  All numbers are known. */
-static void direct3d_keeps_its_own_world(void **state) {
+TEST(direct3d_keeps_its_own_world) {
   const double projection[16] = {0.5, 0, 0, 0, 0, 1, 0,   0,
                                  0,   0, 0, 1, 0, 0, 0.2, 0};
   const double view[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1};
@@ -286,7 +279,6 @@ static void direct3d_keeps_its_own_world(void **state) {
   hbil_config config;
   hbil_camera camera;
   double depth[2];
-  (void)state;
   hbil_config_init(&config);
   config.width = 1600;
   config.height = 800;
@@ -339,8 +331,7 @@ static const mistake mistakes[] = {
     {"view: not a rigid transform", 28, 0.1, 0, false},
     {"view: not a rigid transform", 19, NAN, 0, false}};
 
-static void mistakes_are_named(void **state) {
-  (void)state;
+TEST(mistakes_are_named) {
   for (size_t i = 0; i < sizeof mistakes / sizeof *mistakes; ++i) {
     const mistake *m = mistakes + i;
     const renderer r = {.looks = 1,
@@ -371,7 +362,7 @@ static void mistakes_are_named(void **state) {
 }
 
 /* An oblique near plane has no A and B, but a camera all the same. */
-static void without_depth_the_third_row_is_not_read(void **state) {
+TEST(without_depth_the_third_row_is_not_read) {
   const renderer r = {.looks = -1,
                       .right = 1,
                       .up = 1,
@@ -381,7 +372,6 @@ static void without_depth_the_third_row_is_not_read(void **state) {
   const hbil_config config = config_of(&r);
   double p[16], v[16];
   hbil_camera want, got;
-  (void)state;
   projection_of(&r, p);
   view_of(&r, v);
   assert_int_equal(hbil_camera_from_matrices(&want, NULL, &config, p, v, 0),
@@ -393,7 +383,7 @@ static void without_depth_the_third_row_is_not_read(void **state) {
   assert_memory_equal(&got, &want, sizeof want);
 }
 
-static void missing_arguments_are_named(void **state) {
+TEST(missing_arguments_are_named) {
   const renderer r = {.looks = 1,
                       .right = 1,
                       .up = 1,
@@ -403,7 +393,6 @@ static void missing_arguments_are_named(void **state) {
   hbil_config config = config_of(&r);
   double p[16], v[16];
   hbil_camera camera;
-  (void)state;
   projection_of(&r, p);
   view_of(&r, v);
   const char *names[] = {"camera", "config", "projection", "view"};
@@ -422,13 +411,5 @@ static void missing_arguments_are_named(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(perspective_points_stay_where_they_were),
-      cmocka_unit_test(orthographic_points_stay_where_they_were),
-      cmocka_unit_test(opengl_is_the_same_both_ways),
-      cmocka_unit_test(direct3d_keeps_its_own_world),
-      cmocka_unit_test(mistakes_are_named),
-      cmocka_unit_test(without_depth_the_third_row_is_not_read),
-      cmocka_unit_test(missing_arguments_are_named)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -53,11 +53,10 @@ static void assert_near(double a, double b, double most) {
 
 /* No camera file: the fit replaces it.  Rays of floats are exact to some 1e-4
  * of a focal length; disturbed positions to a hundredth. */
-static void a_missing_file_is_replaced(void **state) {
+TEST_WITH_BOTH_CAMERAS(a_missing_file_is_replaced) {
   static const struct {
     double reach, nonsense, most;
   } cases[] = {{0, 0, 1e-3}, {0.5, 0, 0.02}, {0, 0.1, 0.01}, {0.5, 0.1, 0.02}};
-  (void)state;
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
     for (int scene = SCENE_ROOM; scene <= SCENE_SKY; scene++) {
       dump d = begin((scene_kind)scene);
@@ -85,8 +84,7 @@ static void a_missing_file_is_replaced(void **state) {
 
 /* Positions of a left-handed world, of camera space, and of a part of the
  * picture. */
-static void other_worlds_are_fitted(void **state) {
-  (void)state;
+TEST(other_worlds_are_fitted) {
   dump d = dump_begin_plain(SCENE_ROOM);
   dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_OPENGL, 1);
   d.options.positions = SPACE_CAMERA;
@@ -114,9 +112,8 @@ static void other_worlds_are_fitted(void **state) {
 }
 
 /* Positions on one plane tell no camera without a depth that is distance. */
-static void a_single_plane_tells_nothing(void **state) {
+TEST(a_single_plane_tells_nothing) {
   fit_points p = {.width = WIDTH, .height = HEIGHT};
-  (void)state;
   for (int y = 0; y < 40; y++)
     for (int x = 0; x < 40; x++) {
       const double z = 5 + 0.02 * y;
@@ -178,11 +175,10 @@ static void spoil(hbil_camera *c, mistake m) {
   }
 }
 
-static void wrong_cameras_are_named(void **state) {
+TEST_WITH_BOTH_CAMERAS(wrong_cameras_are_named) {
   static const char *const texts[MISTAKES] = {
       "focal length", "centre is",        "are x, -z, y of it",
       "OpenGL",       "camera stands 0.", "turned by 5.7 degrees"};
-  (void)state;
   for (int m = 0; m < MISTAKES; m++)
     for (int reach = 0; reach < 2; reach++) {
       dump d = begin(SCENE_ROOM);
@@ -203,8 +199,7 @@ static void wrong_cameras_are_named(void **state) {
 }
 
 /* Samples that lie anywhere in their pixels, and some mixtures, are sound. */
-static void right_cameras_have_no_findings(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(right_cameras_have_no_findings) {
   for (int scene = SCENE_ROOM; scene <= SCENE_SKY; scene++) {
     dump d = begin((scene_kind)scene);
     disturb(&d, 0.5, 0.05);
@@ -247,8 +242,7 @@ static void look(int panorama, double x, double y, double u[3]) {
   }
 }
 
-static void curved_pictures_are_named(void **state) {
-  (void)state;
+TEST(curved_pictures_are_named) {
   for (int panorama = 0; panorama < 2; panorama++) {
     dump d = dump_begin_plain(SCENE_ROOM);
     dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);
@@ -273,8 +267,7 @@ static void curved_pictures_are_named(void **state) {
 }
 
 /* One plane tells no camera, and is no fisheye, either. */
-static void single_planes_are_no_fisheyes(void **state) {
-  (void)state;
+TEST(single_planes_are_no_fisheyes) {
   for (int turned = 0; turned < 2; turned++) {
     dump d = dump_begin_plain(SCENE_ROOM);
     const hbil_camera *k = &d.s.camera;
@@ -306,14 +299,5 @@ static void single_planes_are_no_fisheyes(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      WITH_BOTH_CAMERAS(a_missing_file_is_replaced),
-      cmocka_unit_test(other_worlds_are_fitted),
-      cmocka_unit_test(a_single_plane_tells_nothing),
-      WITH_BOTH_CAMERAS(wrong_cameras_are_named),
-      WITH_BOTH_CAMERAS(right_cameras_have_no_findings),
-      cmocka_unit_test(curved_pictures_are_named),
-      cmocka_unit_test(single_planes_are_no_fisheyes),
-  };
-  return RUN_WITH_DUMPS(tests);
+  return run_with_dumps();
 }

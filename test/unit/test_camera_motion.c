@@ -2,17 +2,11 @@
  * a whole sequence, whatever its numbers are; it jitters if only its centre
  * moves, by less than a pixel; else it moves. */
 #include "tool/camera_motion.h"
+#include "test/support/tests.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <setjmp.h>
-
-#include <cmocka.h>
 
 enum { COUNT = 4, WIDTH = 320, HEIGHT = 180 };
 
@@ -59,9 +53,8 @@ static camera_motion_kind kind_of(const shot *s) {
   return camera_motion_find(&s->path, room).kind;
 }
 
-static void equal_cameras(void **state) {
+TEST(equal_cameras) {
   shot s;
-  (void)state;
   start(&s, HBIL_PROJECTION_PERSPECTIVE);
   assert_int_equal(kind_of(&s), CAMERA_STANDS);
   assert_int_equal(camera_motion_needs_depths(&s.path), 0);
@@ -70,10 +63,9 @@ static void equal_cameras(void **state) {
 }
 
 /* A step to the side moves the nearest surface by focus / 2 pixels a unit. */
-static void steps_to_the_side(void **state) {
+TEST(steps_to_the_side) {
   const double limit = CAMERA_SAME_PIXELS * room.low / focus;
   shot s;
-  (void)state;
   for (int i = 0; i < 2; i++) {
     start(&s, HBIL_PROJECTION_PERSPECTIVE);
     step(&s.cameras[2], 0, (i ? 1.01 : .99) * limit);
@@ -93,9 +85,8 @@ static void steps_to_the_side(void **state) {
 
 /* A turn needs no depth: the middle moves by focus pixels a radian, and the
  * corners by more. */
-static void turns(void **state) {
+TEST(turns) {
   shot s;
-  (void)state;
   start(&s, HBIL_PROJECTION_PERSPECTIVE);
   turn(&s.cameras[3], .5 * CAMERA_SAME_PIXELS / focus);
   assert_int_equal(kind_of(&s), CAMERA_STANDS);
@@ -107,17 +98,15 @@ static void turns(void **state) {
 }
 
 /* Turned about: what it saw is behind it. */
-static void looks_back(void **state) {
+TEST(looks_back) {
   shot s;
-  (void)state;
   start(&s, HBIL_PROJECTION_PERSPECTIVE);
   turn(&s.cameras[1], 3.0);
   assert_int_equal(kind_of(&s), CAMERA_MOVES);
 }
 
-static void other_lenses(void **state) {
+TEST(other_lenses) {
   shot s;
-  (void)state;
   start(&s, HBIL_PROJECTION_PERSPECTIVE);
   s.cameras[1].fx *= 1 + 1e-6;
   assert_int_equal(kind_of(&s), CAMERA_STANDS);
@@ -125,11 +114,10 @@ static void other_lenses(void **state) {
   assert_int_equal(kind_of(&s), CAMERA_MOVES);
 }
 
-static void jitter(void **state) {
+TEST(jitter) {
   static const double x[COUNT] = {.0, -.25, .25, -.375};
   static const double y[COUNT] = {-.1667, .1667, -.3889, -.0556};
   shot s;
-  (void)state;
   start(&s, HBIL_PROJECTION_PERSPECTIVE);
   for (int i = 0; i < COUNT; i++) {
     s.cameras[i].cx += x[i];
@@ -155,10 +143,9 @@ static void jitter(void **state) {
 }
 
 /* The sky doesn't move if the camera does. */
-static void sky_alone(void **state) {
+TEST(sky_alone) {
   static const depth_range nothing = {INFINITY, -INFINITY};
   shot s;
-  (void)state;
   start(&s, HBIL_PROJECTION_PERSPECTIVE);
   step(&s.cameras[1], 0, 5.0);
   assert_int_equal(camera_motion_find(&s.path, nothing).kind, CAMERA_STANDS);
@@ -167,9 +154,8 @@ static void sky_alone(void **state) {
 }
 
 /* With parallel rays, depth counts when the camera turns. */
-static void parallel_rays(void **state) {
+TEST(parallel_rays) {
   shot s;
-  (void)state;
   start(&s, HBIL_PROJECTION_ORTHOGRAPHIC);
   step(&s.cameras[1], 0, .9 * CAMERA_SAME_PIXELS / focus);
   assert_int_equal(kind_of(&s), CAMERA_STANDS);
@@ -185,11 +171,5 @@ static void parallel_rays(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(equal_cameras), cmocka_unit_test(steps_to_the_side),
-      cmocka_unit_test(turns),         cmocka_unit_test(looks_back),
-      cmocka_unit_test(other_lenses),  cmocka_unit_test(jitter),
-      cmocka_unit_test(sky_alone),     cmocka_unit_test(parallel_rays),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

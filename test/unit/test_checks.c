@@ -108,11 +108,10 @@ static cl_mem new_image(cl_mem_object_type type, cl_mem buffer) {
   return error == CL_SUCCESS ? image : NULL;
 }
 
-static void images_are_rejected(void **state) {
+TEST(images_are_rejected) {
   const plane_id planes[] = {PLANE_DEPTH, PLANE_NORMAL, PLANE_NEAR, PLANE_AO};
   setup s;
   cl_bool has_images = CL_FALSE;
-  (void)state;
   clGetDeviceInfo(shared_device.id, CL_DEVICE_IMAGE_SUPPORT, sizeof has_images,
                   &has_images, NULL);
   if (!has_images)
@@ -135,10 +134,9 @@ static void images_are_rejected(void **state) {
   setup_free(&s);
 }
 
-static void other_contexts_are_rejected(void **state) {
+TEST(other_contexts_are_rejected) {
   setup s;
   cl_int error;
-  (void)state;
   start(&s);
   cl_context other =
       clCreateContext(NULL, 1, &shared_device.id, NULL, NULL, &error);
@@ -184,9 +182,8 @@ static void check_access(setup *s, cl_mem memory, bool readable,
   clReleaseMemObject(memory);
 }
 
-static void access_must_fit_the_use(void **state) {
+TEST(access_must_fit_the_use) {
   setup s;
-  (void)state;
   start(&s);
   check_access(&s, new_memory(CL_MEM_READ_WRITE, SHARED_BYTES), true, true);
   check_access(&s, new_memory(0, SHARED_BYTES), true, true);
@@ -204,9 +201,8 @@ static void access_must_fit_the_use(void **state) {
   setup_free(&s);
 }
 
-static void parts_have_their_own_access_or_the_parents(void **state) {
+TEST(parts_have_their_own_access_or_the_parents) {
   setup s;
-  (void)state;
   start(&s);
   cl_mem any = new_memory(CL_MEM_READ_WRITE, SHARED_BYTES);
   cl_mem read = new_memory(CL_MEM_READ_ONLY, SHARED_BYTES);
@@ -228,9 +224,8 @@ static void parts_have_their_own_access_or_the_parents(void **state) {
 /* Size                                                                      */
 
 /* Pitches whose products wrap around are no way past the check. */
-static void huge_pitches_are_rejected(void **state) {
+TEST(huge_pitches_are_rejected) {
   setup s;
-  (void)state;
   start(&s);
   s.frame.ao.row_pitch = (size_t)1 << 63;
   assert_plane_rejected(&s, PLANE_AO, ".row_pitch");
@@ -332,11 +327,10 @@ static void read_output(setup *s, plane_id id, float *values) {
 }
 
 /* What is accepted gives the same bits as planes in buffers of their own. */
-static void outputs_share_memory_as_the_header_says(void **state) {
+TEST(outputs_share_memory_as_the_header_says) {
   setup s;
   float want[SHOWN][3 * WIDTH * HEIGHT] = {{0}},
                                 got[SHOWN][3 * WIDTH * HEIGHT] = {{0}};
-  (void)state;
   start(&s);
   setup_run(&s, hbil_enqueue_frame);
   for (int i = 0; i < SHOWN; ++i)
@@ -382,10 +376,9 @@ static void check_parts(setup *s, cl_mem parent, const size_t begins[2],
   s->frame = own;
 }
 
-static void overlap_is_seen_through_sub_buffers(void **state) {
+TEST(overlap_is_seen_through_sub_buffers) {
   const size_t both[] = {0, ALIGNMENT}, same[] = {ALIGNMENT, ALIGNMENT};
   setup s;
-  (void)state;
   start(&s);
   cl_mem parent = new_memory(CL_MEM_READ_WRITE, SHARED_BYTES);
   check_parts(&s, parent, both, (const size_t[]){0, 0}, true);
@@ -409,9 +402,8 @@ static void overlap_is_seen_through_sub_buffers(void **state) {
   setup_free(&s);
 }
 
-static void inputs_may_share_outputs_must_not(void **state) {
+TEST(inputs_may_share_outputs_must_not) {
   setup s;
-  (void)state;
   start(&s);
   const hbil_frame own = s.frame;
   s.frame.albedo = s.frame.emission = s.frame.direct;
@@ -427,9 +419,8 @@ static void inputs_may_share_outputs_must_not(void **state) {
 
 /* The split doesn't write near_irradiance, and the composite doesn't read
  * normal. */
-static void passes_check_their_own_planes(void **state) {
+TEST(passes_check_their_own_planes) {
   setup s;
-  (void)state;
   start(&s);
   const hbil_frame own = s.frame;
   s.frame.normal.buffer = s.frame.near_irradiance.buffer;
@@ -535,43 +526,27 @@ static void check_random_places(const hbil_plane_format formats[SHOWN],
   setup_free(&s);
 }
 
-static void interleaved_planes_are_told_apart(void **state) {
+TEST(interleaved_planes_are_told_apart) {
   const hbil_plane_format formats[SHOWN] = {
       {HBIL_FLOAT16, 28}, {HBIL_FLOAT32, 28}, {HBIL_FLOAT32, 28}};
-  (void)state;
   check_random_places(formats, 28, 3, WIDTH, HEIGHT);
   check_random_places(formats, 28, 3, WIDTH, 1);
   check_random_places(formats, 28, 3, 1, HEIGHT);
 }
 
-static void planar_planes_are_told_apart(void **state) {
+TEST(planar_planes_are_told_apart) {
   const hbil_plane_format formats[SHOWN] = {
       {HBIL_FLOAT32, 4}, {HBIL_FLOAT32, 4}, {HBIL_FLOAT32, 4}};
-  (void)state;
   check_random_places(formats, 4, 60, WIDTH, HEIGHT);
   check_random_places(formats, 4, 60, WIDTH, 1);
 }
 
-static void planes_of_several_kinds_are_told_apart(void **state) {
+TEST(planes_of_several_kinds_are_told_apart) {
   const hbil_plane_format formats[SHOWN] = {
       {HBIL_FLOAT16, 28}, {HBIL_FLOAT32, 4}, {HBIL_FLOAT32, 20}};
-  (void)state;
   check_random_places(formats, 28, 8, WIDTH, HEIGHT);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(images_are_rejected),
-      cmocka_unit_test(other_contexts_are_rejected),
-      cmocka_unit_test(access_must_fit_the_use),
-      cmocka_unit_test(parts_have_their_own_access_or_the_parents),
-      cmocka_unit_test(huge_pitches_are_rejected),
-      cmocka_unit_test(outputs_share_memory_as_the_header_says),
-      cmocka_unit_test(overlap_is_seen_through_sub_buffers),
-      cmocka_unit_test(inputs_may_share_outputs_must_not),
-      cmocka_unit_test(passes_check_their_own_planes),
-      cmocka_unit_test(interleaved_planes_are_told_apart),
-      cmocka_unit_test(planar_planes_are_told_apart),
-      cmocka_unit_test(planes_of_several_kinds_are_told_apart)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

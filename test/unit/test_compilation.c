@@ -46,17 +46,15 @@ static void check(setup *s) {
   setup_free(s);
 }
 
-static void vectors_by_the_camera(void **state) {
+TEST(vectors_by_the_camera) {
   setup s;
-  (void)state;
   skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 40, 24);
   check(&s);
 }
 
-static void motion_with_shared_slices(void **state) {
+TEST(motion_with_shared_slices) {
   setup s;
-  (void)state;
   skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_MOTION, 0, 40, 24);
   s.config.sampling.slices = s.config.sampling.slice_frames = 2;
@@ -65,9 +63,8 @@ static void motion_with_shared_slices(void **state) {
 
 /* Only composite writes AO, so only composite is compiled for another format of
  * it. */
-static void passes_share_what_they_do_not_read(void **state) {
+TEST(passes_share_what_they_do_not_read) {
   setup s;
-  (void)state;
   skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 40, 24);
   s.config.outputs.ao.component = HBIL_FLOAT32;
@@ -82,9 +79,8 @@ static void passes_share_what_they_do_not_read(void **state) {
 }
 
 /* The kernels of GPUs, in a picture of more columns than one work-group. */
-static void vectors_of_one(void **state) {
+TEST(vectors_of_one) {
   setup s;
-  (void)state;
   skip_unless_pocl();
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, 70, 11);
   s.config.execution.skip &= ~(cl_uint)HBIL_SKIP_HOLES;
@@ -92,13 +88,12 @@ static void vectors_of_one(void **state) {
 }
 
 /* Every command of a cache, with views of both projections, and a frame. */
-static void caches_and_their_frames(void **state) {
+TEST(caches_and_their_frames) {
   const double away[3] = {1.0, 0.0, 0.0}, elsewhere[3] = {100.0, 0.0, 0.0};
   const room r = room_lit();
   const hbil_camera camera =
       room_camera(room_middle, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
   setup s;
-  (void)state;
   skip_unless_pocl();
   room_setup(&s, &r, &camera, ROOM_WIDTH, ROOM_HEIGHT);
   setup_start_compiled(&s);
@@ -126,15 +121,9 @@ static void caches_and_their_frames(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(vectors_by_the_camera),
-      cmocka_unit_test(motion_with_shared_slices),
-      cmocka_unit_test(passes_share_what_they_do_not_read),
-      cmocka_unit_test(vectors_of_one),
-      cmocka_unit_test(caches_and_their_frames)};
   folder_make(cache);
   setenv("POCL_CACHE_DIR", cache, 1);
-  const int failures = RUN_WITH_DEVICE(tests);
+  const int failures = run_with_device();
   folder_remove(cache);
   return failures;
 }

@@ -87,8 +87,7 @@ enum { MEMBERS = sizeof members / sizeof *members };
 
 /* A member that was added to the header must be added here, too: all lie side
  * by side, and the struct ends behind the last one but for its padding. */
-static void all_members_are_compared(void **state) {
-  (void)state;
+TEST(all_members_are_compared) {
   size_t end = 0;
   for (int i = 0; i < MEMBERS; ++i) {
     const size_t at = members[i].offset;
@@ -122,17 +121,15 @@ static process_settings settings_of(int count, char *const *words) {
   return arguments.settings;
 }
 
-static void without_options_they_are_the_librarys(void **state) {
+TEST(without_options_they_are_the_librarys) {
   char *words[] = {(char[]){"frame.exr"}};
-  (void)state;
   const process_settings s = settings_of(1, words);
   compare(&s.config);
 }
 
-static void the_default_model_sets_nothing_else(void **state) {
+TEST(the_default_model_sets_nothing_else) {
   char *words[] = {(char[]){"--model"}, (char[]){"paper"}, (char[]){"--model"},
                    (char[]){"default"}, (char[]){"frame.exr"}};
-  (void)state;
   const process_settings s = settings_of(5, words);
   compare(&s.config);
 }
@@ -167,9 +164,8 @@ static void check_relation(const option_row *row, const option_relation *r) {
 }
 
 /* The parser passes over relations to options that there are not. */
-static void options_need_and_exclude_options(void **state) {
+TEST(options_need_and_exclude_options) {
   int relations = 0, count;
-  (void)state;
   for (size_t g = 0; g < PROCESS_GROUPS; ++g)
     for (size_t i = 0; i < process_groups[g].count; ++i) {
       const option_row *row = &process_groups[g].rows[i];
@@ -187,9 +183,8 @@ static void options_need_and_exclude_options(void **state) {
 }
 
 /* The help is a text, so no list of names can write it. */
-static void the_help_names_every_role(void **state) {
+TEST(the_help_names_every_role) {
   const char *help = NULL;
-  (void)state;
   for (int i = 0; i < SOURCE_ROWS; ++i)
     if (source_rows[i].name && !strcmp(source_rows[i].name, "map"))
       help = source_rows[i].help;
@@ -200,11 +195,5 @@ static void the_help_names_every_role(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(all_members_are_compared),
-      cmocka_unit_test(without_options_they_are_the_librarys),
-      cmocka_unit_test(the_default_model_sets_nothing_else),
-      cmocka_unit_test(options_need_and_exclude_options),
-      cmocka_unit_test(the_help_names_every_role)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -75,27 +75,23 @@ static void check_painted(const float rotation[9], const float *given,
   free(map);
 }
 
-static void painted_coefficients_come_back(void **state) {
-  (void)state;
+TEST(painted_coefficients_come_back) {
   check_painted(identity, NULL, 3 * WIDTH, 0);
   check_painted(identity, identity, 3 * WIDTH, 3 * WIDTH * sizeof(float));
 }
 
-static void rows_may_be_apart(void **state) {
-  (void)state;
+TEST(rows_may_be_apart) {
   check_painted(identity, NULL, 3 * WIDTH + 5, (3 * WIDTH + 5) * sizeof(float));
 }
 
-static void maps_may_be_turned(void **state) {
-  (void)state;
+TEST(maps_may_be_turned) {
   check_painted(turned, turned, 3 * WIDTH, 0);
   check_painted(mirrored, mirrored, 3 * WIDTH, 0);
 }
 
-static void a_constant_map_has_band_0_alone(void **state) {
+TEST(a_constant_map_has_band_0_alone) {
   const double light[3] = {0.25, 1.0, 300.0};
   float *map = malloc(sizeof(float) * 3 * WIDTH * HEIGHT), sh[9][3];
-  (void)state;
   assert_non_null(map);
   for (int i = 0; i < 3 * WIDTH * HEIGHT; ++i)
     map[i] = (float)light[i % 3];
@@ -111,9 +107,8 @@ static void a_constant_map_has_band_0_alone(void **state) {
   free(map);
 }
 
-static void bad_arguments_are_refused(void **state) {
+TEST(bad_arguments_are_refused) {
   float map[3 * 4 * 2] = {0.0f}, sh[9][3];
-  (void)state;
   assert_int_equal(hbil_environment_from_latlong(NULL, 4, 2, 0, NULL, sh),
                    HBIL_INVALID_ARGUMENT);
   assert_int_equal(hbil_environment_from_latlong(map, 4, 2, 0, NULL, NULL),
@@ -131,7 +126,7 @@ static void bad_arguments_are_refused(void **state) {
 }
 
 /* Sizes whose bytes no size_t counts. */
-static void maps_must_be_countable(void **state) {
+TEST(maps_must_be_countable) {
   static const size_t most = SIZE_MAX, row = 3 * sizeof(float);
   const struct {
     size_t width, height, pitch;
@@ -141,7 +136,6 @@ static void maps_must_be_countable(void **state) {
                {2, most / row, 2 * row},
                {4, most, 0}};
   float map[3 * 4 * 2] = {0.0f}, sh[9][3] = {{7.0f}};
-  (void)state;
   for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
     assert_int_equal(hbil_environment_from_latlong(map, wrong[i].width,
                                                    wrong[i].height,
@@ -152,7 +146,7 @@ static void maps_must_be_countable(void **state) {
   }
 }
 
-static void matrices_must_be_rotations(void **state) {
+TEST(matrices_must_be_rotations) {
   static const struct {
     float matrix[9];
     const char *message;
@@ -162,7 +156,6 @@ static void matrices_must_be_rotations(void **state) {
       {{1, 0.01f, 0, 0, 1, 0, 0, 0, 1}, "columns are not at right angles"},
       {{1, 0, 0, 0, NAN, 0, 0, 0, 1}, "an element is not finite"}};
   float map[3 * 4 * 2] = {0.0f}, sh[9][3] = {{7.0f}};
-  (void)state;
   for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
     assert_int_equal(
         hbil_environment_from_latlong(map, 4, 2, 0, wrong[i].matrix, sh),
@@ -175,11 +168,10 @@ static void matrices_must_be_rotations(void **state) {
 }
 
 /* OpenGL looks along -z with y up: both axes change their sign. */
-static void opengl_cameras_turn_two_axes(void **state) {
+TEST(opengl_cameras_turn_two_axes) {
   const double gl[16] = {0, 0, 1, 5, 1, 0, 0, 6, 0, 1, 0, 7, 0, 0, 0, 1};
   const double want[16] = {0, 0, -1, 5, 1, 0, 0, 6, 0, -1, 0, 7, 0, 0, 0, 1};
   hbil_camera camera;
-  (void)state;
   hbil_camera_from_opengl(&camera, gl, 10.0, 11.0, 12.0, 13.0);
   assert_true(camera.fx == 10.0 && camera.fy == 11.0);
   assert_true(camera.cx == 12.0 && camera.cy == 13.0);
@@ -188,14 +180,5 @@ static void opengl_cameras_turn_two_axes(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(painted_coefficients_come_back),
-      cmocka_unit_test(rows_may_be_apart),
-      cmocka_unit_test(maps_may_be_turned),
-      cmocka_unit_test(a_constant_map_has_band_0_alone),
-      cmocka_unit_test(bad_arguments_are_refused),
-      cmocka_unit_test(maps_must_be_countable),
-      cmocka_unit_test(matrices_must_be_rotations),
-      cmocka_unit_test(opengl_cameras_turn_two_axes)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -40,11 +40,10 @@ static exact_planes output_alone(plane_id id) {
   return out;
 }
 
-static void lights_can_be_had_alone(void **state) {
+TEST(lights_can_be_had_alone) {
   exact_planes all, near_irradiance = output_alone(PLANE_NEAR);
   exact_planes far_irradiance = output_alone(PLANE_FAR);
   setup s;
-  (void)state;
   start_room(&s);
   setup_all_outputs(&s);
   setup_start(&s);
@@ -110,11 +109,10 @@ static void with_cone(setup *s) {
   s->config.outputs.cone_cosine = one_float;
 }
 
-static void an_even_radiance_is_its_own_estimate(void **state) {
+TEST(an_even_radiance_is_its_own_estimate) {
   setup s;
   exact_planes out;
   double range[2];
-  (void)state;
   start_random(&s);
   with_cone(&s);
   fill_radiance(&s, 2.5f);
@@ -129,12 +127,11 @@ static void an_even_radiance_is_its_own_estimate(void **state) {
 }
 
 /* The exact estimate too, for normals that no pixel has. */
-static void the_exact_estimate_is_even(void **state) {
+TEST(the_exact_estimate_is_even) {
   setup s;
   exact_planes split, gathered;
   random_state r = {9};
   double worst = 0.0;
-  (void)state;
   start_random(&s);
   fill_radiance(&s, 2.5f);
   setup_start(&s);
@@ -159,12 +156,11 @@ static void the_exact_estimate_is_even(void **state) {
 
 /* Every weight is positive, so nothing unseen is brighter than the brightest
  * surfel nor darker than the darkest. */
-static void estimates_are_means(void **state) {
+TEST(estimates_are_means) {
   setup s;
   exact_planes out;
   random_state r = {11};
   double range[2];
-  (void)state;
   start_random(&s);
   with_cone(&s);
   fill_radiance(&s, 1.0f);
@@ -182,11 +178,10 @@ static void estimates_are_means(void **state) {
 }
 
 /* AO + E_near / pi = 1 although back-facing samples count as unseen. */
-static void the_white_furnace_is_closed(void **state) {
+TEST(the_white_furnace_is_closed) {
   setup s;
   exact_planes out;
   double worst = 0.0;
-  (void)state;
   start_random(&s);
   with_cone(&s);
   fill_radiance(&s, 1.0f);
@@ -236,8 +231,7 @@ static void check_without_surfels(bool all) {
   setup_free(&s);
 }
 
-static void without_surfels_there_is_no_light(void **state) {
-  (void)state;
+TEST(without_surfels_there_is_no_light) {
   check_without_surfels(true);
   check_without_surfels(false);
 }
@@ -265,15 +259,13 @@ static void check_same_bits(float size) {
   exact_planes_free(&got);
 }
 
-static void every_run_gives_the_same_bits(void **state) {
-  (void)state;
+TEST(every_run_gives_the_same_bits) {
   check_same_bits(1.0f);
   check_same_bits(1.0f);
 }
 
 /* Exact: powers of two change no mantissa. */
-static void the_unit_of_length_does_not_matter(void **state) {
-  (void)state;
+TEST(the_unit_of_length_does_not_matter) {
   check_same_bits(0x1p-20f);
   check_same_bits(0x1p+20f);
 }
@@ -386,8 +378,7 @@ static void check_energy(hbil_feedback feedback, float facing) {
   setup_free(&s);
 }
 
-static void light_does_not_grow_from_frame_to_frame(void **state) {
-  (void)state;
+TEST(light_does_not_grow_from_frame_to_frame) {
   check_energy(HBIL_FEEDBACK_IRRADIANCE, -1.0f);
   check_energy(HBIL_FEEDBACK_RADIANCE, -1.0f);
   check_energy(HBIL_FEEDBACK_IRRADIANCE, 0.9f);
@@ -395,11 +386,10 @@ static void light_does_not_grow_from_frame_to_frame(void **state) {
 
 /* Surfaces that reflect 0.6 and emit 0.4, everywhere: the radiance is 1 after
  * all bounces, and a first frame's guess has it. */
-static void a_furnace_is_closed_in_the_first_frame(void **state) {
+TEST(a_furnace_is_closed_in_the_first_frame) {
   setup s;
   exact_planes out;
   double range[2];
-  (void)state;
   start_random(&s);
   with_cone(&s);
   for (int c = 0; c < 3; ++c) {
@@ -418,12 +408,11 @@ static void a_furnace_is_closed_in_the_first_frame(void **state) {
 
 /* One pixel of a million times the light of all others counts as at most
  * HBIL_UNSEEN_SPIKE parts of the picture. */
-static void a_bright_pixel_does_not_light_everything(void **state) {
+TEST(a_bright_pixel_does_not_light_everything) {
   setup s;
   exact_planes dark, bright;
   double range[2][2];
   int at = WIDTH * HEIGHT / 2;
-  (void)state;
   start_random(&s);
   with_cone(&s);
   fill_radiance(&s, 1.0f);
@@ -467,9 +456,8 @@ static exact_planes first_frame(setup *s) {
 
 /* The share that back-facing samples block is left alone where the far field is
  * known, and the open share comes on top where it is not. */
-static void other_far_fields_leave_back_faces_alone(void **state) {
+TEST(other_far_fields_leave_back_faces_alone) {
   exact_planes behind[HBIL_FAR_FRAME + 1];
-  (void)state;
   for (hbil_far_field far = HBIL_FAR_NONE; far <= HBIL_FAR_FRAME; ++far) {
     setup s;
     guess_unknown(&s, far);
@@ -495,8 +483,7 @@ static void other_far_fields_leave_back_faces_alone(void **state) {
 }
 
 /* Light that nobody guesses: all samples count, or the fallback is another. */
-static void without_a_guess_it_is_zero(void **state) {
-  (void)state;
+TEST(without_a_guess_it_is_zero) {
   for (int i = 0; i < 3; ++i) {
     setup s;
     guess_unknown(&s, i == 2 ? HBIL_FAR_CONSTANT : HBIL_FAR_NONE);
@@ -529,10 +516,9 @@ static void white_box(setup *s, hbil_back_facing_fallback fallback) {
 /* A black fallback leaves of the light what the screen shows: E_near / pi is
  * the share of the hemisphere that it comes from.  In a closed box the rest is
  * a guess. */
-static void in_a_closed_box_all_is_known_or_unknown(void **state) {
+TEST(in_a_closed_box_all_is_known_or_unknown) {
   setup guessing, black;
   double worst = 0.0, behind = 0.0;
-  (void)state;
   white_box(&guessing, HBIL_FALLBACK_FRAME_MEAN);
   white_box(&black, HBIL_FALLBACK_BLACK);
   exact_planes guess = first_frame(&guessing), known = first_frame(&black);
@@ -565,9 +551,8 @@ static cl_uint resolved_values(const hbil_config *config) {
 
 /* A plane of its own is for the share behind back faces, and only if it can be
  * something else than 0. */
-static void plans_without_it_store_nothing(void **state) {
+TEST(plans_without_it_store_nothing) {
   setup s;
-  (void)state;
   guess_unknown(&s, HBIL_FAR_FRAME);
   assert_int_equal(resolved_values(&s.config), HBIL_LIGHT_PLANES + 1);
   s.config.outputs.unknown.component = HBIL_NONE;
@@ -584,8 +569,7 @@ static void plans_without_it_store_nothing(void **state) {
 }
 
 /* Alone it is the same as with other outputs. */
-static void it_can_be_had_alone(void **state) {
-  (void)state;
+TEST(it_can_be_had_alone) {
   for (int i = 0; i < 2; ++i) {
     setup s, alone;
     guess_unknown(&s, i ? HBIL_FAR_FRAME : HBIL_FAR_NONE);
@@ -603,22 +587,5 @@ static void it_can_be_had_alone(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(lights_can_be_had_alone),
-      cmocka_unit_test(an_even_radiance_is_its_own_estimate),
-      cmocka_unit_test(the_exact_estimate_is_even),
-      cmocka_unit_test(estimates_are_means),
-      cmocka_unit_test(the_white_furnace_is_closed),
-      cmocka_unit_test(without_surfels_there_is_no_light),
-      cmocka_unit_test(every_run_gives_the_same_bits),
-      cmocka_unit_test(the_unit_of_length_does_not_matter),
-      cmocka_unit_test(a_furnace_is_closed_in_the_first_frame),
-      cmocka_unit_test(a_bright_pixel_does_not_light_everything),
-      cmocka_unit_test(light_does_not_grow_from_frame_to_frame),
-      cmocka_unit_test(other_far_fields_leave_back_faces_alone),
-      cmocka_unit_test(without_a_guess_it_is_zero),
-      cmocka_unit_test(in_a_closed_box_all_is_known_or_unknown),
-      cmocka_unit_test(plans_without_it_store_nothing),
-      cmocka_unit_test(it_can_be_had_alone)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -13,9 +13,8 @@ static void start_room(setup *s, hbil_mode mode, float thickness) {
 }
 
 /* Derived: two forms of one integral.  Measured: 8.3e-16 and 2.2e-16. */
-static void gtao_has_the_occlusion_of_hbil(void **state) {
+TEST(gtao_has_the_occlusion_of_hbil) {
   const exact_dense how = {.slices = 37};
-  (void)state;
   for (int dense = 0; dense < 2; ++dense) {
     setup hbil, gtao;
     exact_planes want, got;
@@ -51,12 +50,11 @@ static void note_progress(void *user, int done, int count) {
 }
 
 /* Every row is reported, whatever the number of threads. */
-static void any_number_of_threads_gives_the_same(void **state) {
+TEST(any_number_of_threads_gives_the_same) {
   const int threads[] = {1, 2, 3, 7, 50};
   const exact_dense two = {.slices = 16};
   setup s;
   exact_planes want;
-  (void)state;
   start_room(&s, HBIL_MODE_HBIL, 0.1f);
   want = expected_gathered_densely(&s, &two);
   for (int i = 0; i < 5; ++i) {
@@ -75,13 +73,12 @@ static void any_number_of_threads_gives_the_same(void **state) {
   setup_free(&s);
 }
 
-static void masked_pixels_stay_as_they_are(void **state) {
+TEST(masked_pixels_stay_as_they_are) {
   unsigned char wanted[64 * 36] = {0};
   const exact_dense all = {.slices = 16};
   const exact_dense some = {.slices = 16, .mask = wanted};
   exact_planes split, want, got = checked_planes(64, 36, HBIL_LIGHT_PLANES);
   setup s;
-  (void)state;
   start_room(&s, HBIL_MODE_HBIL, INFINITY);
   split = expected_split(&s);
   want = expected_gathered_densely(&s, &all);
@@ -112,12 +109,11 @@ static exact_planes densest_frame(setup *s) {
 }
 
 /* Measured: AO .0035, E_near and indirect .047, which 32 slices leave. */
-static void plans_approach_the_dense_frame(void **state) {
+TEST(plans_approach_the_dense_frame) {
   const exact_dense how = {.slices = 1024, .at_centres = true};
   setup s;
   exact_state expected;
   exact_planes got;
-  (void)state;
   setup_scene(&s, SCENE_ROOM, 64, 36, 0);
   setup_all_outputs(&s);
   s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
@@ -139,10 +135,5 @@ static void plans_approach_the_dense_frame(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(gtao_has_the_occlusion_of_hbil),
-      cmocka_unit_test(any_number_of_threads_gives_the_same),
-      cmocka_unit_test(masked_pixels_stay_as_they_are),
-      cmocka_unit_test(plans_approach_the_dense_frame)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -3,17 +3,12 @@
  * fail, and arguments that make no sense are rejected.  Linked with
  * --wrap=calloc, the one way in which src/exact allocates.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
 #include "exact/cache.h"
 #include "exact/passes.h"
+#include "test/support/tests.h"
 
 enum { WIDTH = 20, HEIGHT = 12, NEVER = -1 };
 
@@ -87,9 +82,8 @@ static void check_allocations(hbil_reprojection reprojection,
   assert_true(count > 10);
 }
 
-static void every_failed_allocation_is_a_status(void **state) {
+TEST(every_failed_allocation_is_a_status) {
   const exact_dense how = {.slices = 2, .threads = 2};
-  (void)state;
   for (int r = HBIL_REPROJECTION_NONE; r <= HBIL_REPROJECTION_MOTION; ++r) {
     check_allocations((hbil_reprojection)r, NULL);
     check_allocations((hbil_reprojection)r, &how);
@@ -97,13 +91,12 @@ static void every_failed_allocation_is_a_status(void **state) {
 }
 
 /* A cache whose move fails stays as it was. */
-static void a_cache_without_memory_is_a_status(void **state) {
+TEST(a_cache_without_memory_is_a_status) {
   const double away[3] = {3.0, 0.0, 0.0};
   hbil_cache_config config;
   exact_cache cache;
   exact_probes probes;
   fixture f;
-  (void)state;
   fixture_init(&f, HBIL_REPROJECTION_NONE);
   hbil_cache_config_init(&config);
   config.voxels = 16;
@@ -124,10 +117,9 @@ static void a_cache_without_memory_is_a_status(void **state) {
   exact_cache_free(&cache);
 }
 
-static void sizes_out_of_range_are_rejected(void **state) {
+TEST(sizes_out_of_range_are_rejected) {
   exact_planes planes;
   exact_state empty;
-  (void)state;
   assert_int_equal(exact_planes_create(&planes, 0, 1, 1), EXACT_BAD_ARGUMENT);
   assert_int_equal(exact_planes_create(&planes, 1, -1, 1), EXACT_BAD_ARGUMENT);
   assert_int_equal(exact_planes_create(&planes, 1, 1, 0), EXACT_BAD_ARGUMENT);
@@ -138,10 +130,9 @@ static void sizes_out_of_range_are_rejected(void **state) {
   exact_state_free(&empty);
 }
 
-static void frames_that_do_not_fit_are_rejected(void **state) {
+TEST(frames_that_do_not_fit_are_rejected) {
   const exact_dense none = {.slices = 0};
   fixture f;
-  (void)state;
   fixture_init(&f, HBIL_REPROJECTION_NONE);
   assert_int_equal(run_sequence(&f, &none), EXACT_BAD_ARGUMENT);
   f.frame.input[EXACT_DIRECT + 1] = f.zero; /* green alone */
@@ -158,11 +149,5 @@ static void frames_that_do_not_fit_are_rejected(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_failed_allocation_is_a_status),
-      cmocka_unit_test(a_cache_without_memory_is_a_status),
-      cmocka_unit_test(sizes_out_of_range_are_rejected),
-      cmocka_unit_test(frames_that_do_not_fit_are_rejected),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

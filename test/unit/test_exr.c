@@ -143,8 +143,7 @@ static exr_context_t open_result(void) {
   return file;
 }
 
-static void types_are_kept_bit_by_bit(void **state) {
-  (void)state;
+TEST(types_are_kept_bit_by_bit) {
   write_frame(EXR_COMPRESSION_ZIP);
   image source = read_frame();
   assert_int_equal(image_find(&source, names[0])->type, IMAGE_FLOAT);
@@ -161,9 +160,8 @@ static void types_are_kept_bit_by_bit(void **state) {
 /* pxr24 rounds floats to 15 bits of mantissa. Of the others, B44 rounds
  * halves, but not this ramp, and DWA rounds channels whose names are those of
  * colours. */
-static void every_compression_holds_what_it_promises(void **state) {
+TEST(every_compression_holds_what_it_promises) {
   const float rounding = 0x1p-16f;
-  (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
   image source = read_frame();
   for (int c = 0; exr_compressions[c]; c++) {
@@ -186,10 +184,9 @@ static void every_compression_holds_what_it_promises(void **state) {
   image_free(&source);
 }
 
-static void the_compression_can_be_that_of_the_frame(void **state) {
+TEST(the_compression_can_be_that_of_the_frame) {
   static const exr_compression_t frames[] = {EXR_COMPRESSION_PIZ,
                                              EXR_COMPRESSION_RLE};
-  (void)state;
   for (size_t i = 0; i < 2; i++) {
     exr_compression_t found;
     write_frame(frames[i]);
@@ -219,13 +216,12 @@ static void check_required(exr_const_context_t file) {
   assert_true(number == 1.5f);
 }
 
-static void attributes_are_taken_over(void **state) {
+TEST(attributes_are_taken_over) {
   exr_attr_chromaticities_t colours;
   exr_attr_m44f_t matrix;
   const char *text = NULL, *type = NULL;
   const void *bytes = NULL;
   int32_t length;
-  (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
   image source = read_frame();
   snprintf(source.key, sizeof source.key, "ours");
@@ -255,10 +251,9 @@ static void check_radii(float near, float ao) {
   image_free(&result);
 }
 
-static void what_would_be_untrue_is_not(void **state) {
+TEST(what_would_be_untrue_is_not) {
   const char *text = NULL;
   int32_t length, flag;
-  (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
   image source = read_frame();
   snprintf(source.key, sizeof source.key, "ours");
@@ -312,9 +307,8 @@ static exr_checksum_state state_of(const unsigned char *bytes, size_t size) {
 
 /* Every byte of the header and many of the others: a file with one changed, or
  * that ends early or late, isn't taken for what was written. */
-static void a_checksum_covers_every_byte(void **state) {
+TEST(a_checksum_covers_every_byte) {
   size_t size;
-  (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
   image source = read_frame();
   for (int c = 0; c < EXR_COMPRESSION_OF_INPUT; c += 3) {
@@ -345,11 +339,10 @@ static void a_checksum_covers_every_byte(void **state) {
 
 /* No changed byte of a compressed chunk changes a pixel, and all but those with
  * bits that deflate leaves open are told. */
-static void damage_in_zip_is_told(void **state) {
+TEST(damage_in_zip_is_told) {
   enum { BYTES = 200 };
   int told = 0;
   size_t size;
-  (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
   image source = read_frame();
   unsigned char *bytes = bytes_of(frame_path, &size);
@@ -373,9 +366,8 @@ static void damage_in_zip_is_told(void **state) {
   image_free(&source);
 }
 
-static void a_file_of_another_kind_has_no_attributes(void **state) {
+TEST(a_file_of_another_kind_has_no_attributes) {
   char other[sizeof result_path + 4];
-  (void)state;
   write_frame(EXR_COMPRESSION_ZIP);
   image source = read_frame();
   snprintf(other, sizeof other, "%s.txt", result_path);
@@ -396,7 +388,7 @@ static void a_file_of_another_kind_has_no_attributes(void **state) {
   image_free(&source);
 }
 
-static void finite_values_stay_finite_as_halves(void **state) {
+TEST(finite_values_stay_finite_as_halves) {
   static const float values[] = {1e9f,      -1e9f, 65519.0f, INFINITY,
                                  -INFINITY, NAN,   1.5f};
   static const float stored[] = {65504.0f,  -65504.0f, 65504.0f, INFINITY,
@@ -406,7 +398,6 @@ static void finite_values_stay_finite_as_halves(void **state) {
   image img = {.width = COUNT, .height = 1}, again;
   const char *const name[] = {"light.R"};
   image_error error;
-  (void)state;
   memcpy(image_add(&img, name[0])->pixels, values, sizeof values);
   assert_int_equal(exr_write(result_path, &img, half, &error), 0);
   assert_int_equal(exr_read_as_is(result_path, name, 1, &again, &error), 0);
@@ -455,11 +446,10 @@ static void write_wide(image *img) {
     fail_msg("%s", error.text);
 }
 
-static void large_images_are_read_completely(void **state) {
+TEST(large_images_are_read_completely) {
   static const char *const wide_names[] = {"a", "b"};
   image img = {0}, again;
   image_error error;
-  (void)state;
   write_wide(&img);
   if (exr_read(result_path, wide_names, 2, &again, &error) != 0)
     fail_msg("%s", error.text);
@@ -472,11 +462,10 @@ static void large_images_are_read_completely(void **state) {
 
 /* Two chunks are damaged in different ways, and the message is always that on
  * the first one. */
-static void damage_is_reported_alike(void **state) {
+TEST(damage_is_reported_alike) {
   static const char *const wide_names[] = {"a", "b"};
   image img = {0}, again;
   image_error first, error;
-  (void)state;
   write_wide(&img);
   FILE *file = fopen(result_path, "r+b");
   assert_non_null(file);
@@ -497,18 +486,5 @@ static void damage_is_reported_alike(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(large_images_are_read_completely),
-      cmocka_unit_test(damage_is_reported_alike),
-      cmocka_unit_test(types_are_kept_bit_by_bit),
-      cmocka_unit_test(every_compression_holds_what_it_promises),
-      cmocka_unit_test(the_compression_can_be_that_of_the_frame),
-      cmocka_unit_test(attributes_are_taken_over),
-      cmocka_unit_test(what_would_be_untrue_is_not),
-      cmocka_unit_test(a_checksum_covers_every_byte),
-      cmocka_unit_test(damage_in_zip_is_told),
-      cmocka_unit_test(a_file_of_another_kind_has_no_attributes),
-      cmocka_unit_test(finite_values_stay_finite_as_halves),
-  };
-  return cmocka_run_group_tests(tests, make_paths, remove_files);
+  return tests_run_with(make_paths, remove_files);
 }

@@ -19,9 +19,8 @@ static void load(setup *s, uint32_t frame) {
   setup_upload(s);
 }
 
-static void plans_of_one_size_have_the_same_bits(void **state) {
+TEST(plans_of_one_size_have_the_same_bits) {
   setup s[2];
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     setup_every_pass(&s[i], HBIL_REPROJECTION_CAMERA, 0, 64, 48);
     setup_start(&s[i]);
@@ -112,10 +111,9 @@ static void check_sizes(size before, size now, hbil_reprojection how,
   setup_free(&last);
 }
 
-static void other_sizes_match(void **state) {
+TEST(other_sizes_match) {
   static const size sizes[][2] = {
       {{64, 48}, {41, 31}}, {{41, 31}, {64, 48}}, {{99, 75}, {64, 48}}};
-  (void)state;
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i)
     for (int how = HBIL_REPROJECTION_CAMERA; how <= HBIL_REPROJECTION_MOTION;
          ++how)
@@ -124,10 +122,9 @@ static void other_sizes_match(void **state) {
 }
 
 /* Sizes that change to and fro: light goes on bouncing. */
-static void frames_alternate_between_sizes(void **state) {
+TEST(frames_alternate_between_sizes) {
   static const size sizes[] = {{64, 48}, {48, 36}};
   setup s[2];
-  (void)state;
   for (int i = 0; i < 2; ++i)
     start(&s[i], sizes[i], HBIL_REPROJECTION_CAMERA, HBIL_STORAGE_PACKED, 0);
   for (uint32_t frame = 0; frame < 6; ++frame) {
@@ -144,14 +141,13 @@ static void frames_alternate_between_sizes(void **state) {
 
 /* --- what is wrong --- */
 
-static void plans_that_cannot_follow_stay(void **state) {
+TEST(plans_that_cannot_follow_stay) {
   const size one = {16, 8}, other = {8, 16};
   setup s, last, floats, none;
   start(&s, one, HBIL_REPROJECTION_CAMERA, HBIL_STORAGE_PACKED, 0);
   start(&last, other, HBIL_REPROJECTION_CAMERA, HBIL_STORAGE_PACKED, 0);
   start(&floats, one, HBIL_REPROJECTION_CAMERA, HBIL_STORAGE_FLOAT32, 0);
   start(&none, one, HBIL_REPROJECTION_NONE, HBIL_STORAGE_PACKED, 0);
-  (void)state;
   assert_int_equal(hbil_plan_follow(NULL, s.plan), HBIL_INVALID_ARGUMENT);
   assert_int_equal(hbil_plan_follow(s.plan, NULL), HBIL_INVALID_ARGUMENT);
   plant_history(&s);
@@ -180,11 +176,5 @@ static void plans_that_cannot_follow_stay(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(plans_of_one_size_have_the_same_bits),
-      cmocka_unit_test(other_sizes_match),
-      cmocka_unit_test(frames_alternate_between_sizes),
-      cmocka_unit_test(plans_that_cannot_follow_stay),
-  };
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

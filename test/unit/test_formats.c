@@ -87,7 +87,7 @@ static void check_colours(hbil_component component, cl_uint stride,
 }
 
 /* 256 x 256 pixels have all codes of 16 bits. */
-static void every_code_of_a_colour_is_read(void **state) {
+TEST(every_code_of_a_colour_is_read) {
   /* derived: the roundings of a reciprocal and of a product; the parts of a
    * float are taken over exactly.  sRGB: what the header of
    * decode_srgb8() says */
@@ -99,7 +99,6 @@ static void every_code_of_a_colour_is_read(void **state) {
              {HBIL_R11G11B10_FLOAT, 0}, {HBIL_RGB9E5_FLOAT, 0},
              {HBIL_SRGB8, 12.5}};
   const cl_uint lanes[] = {16, 1, 4, 8};
-  (void)state;
   /* in each layout, by each width of vectors, though not in all combinations */
   for (size_t i = 0; i < EACH(all); ++i) {
     check_colours(all[i].component, i & 1 ? 0 : 1, 0, 256, all[i].roundings);
@@ -204,12 +203,11 @@ static void check_normals(hbil_component component,
   setup_free(&s);
 }
 
-static void every_normal_is_read(void **state) {
+TEST(every_normal_is_read) {
   const hbil_component all[] = {HBIL_FLOAT32,      HBIL_FLOAT16, HBIL_UNORM8,
                                 HBIL_UNORM16,      HBIL_SNORM8,  HBIL_SNORM16,
                                 HBIL_RGB10A2_UNORM};
   const cl_uint lanes[] = {8, 16, 1, 4};
-  (void)state;
   for (cl_uint i = 0; i < EACH(all); ++i)
     check_normals(all[i], HBIL_NORMAL_XYZ, i & 1, i & 2 ? 1 : 4,
                   i < 4 ? 0 : lanes[i % 4]);
@@ -328,14 +326,13 @@ static void check_depths(hbil_component component, projection p, cl_uint stride,
   setup_free(&s);
 }
 
-static void every_hardware_depth_is_read(void **state) {
+TEST(every_hardware_depth_is_read) {
   const projection all[] = {{CLIP_0_1, false, false}, {CLIP_0_1, false, true},
                             {CLIP_1_0, false, false}, {CLIP_1_0, false, true},
                             {CLIP_0_1, true, false},  {CLIP_1_0, true, false}};
   const hbil_component formats[] = {HBIL_FLOAT32, HBIL_FLOAT16, HBIL_UNORM16,
                                     HBIL_UNORM24};
   const cl_uint lanes[] = {0, 8, 4, 1};
-  (void)state;
   for (cl_uint f = 0; f < EACH(formats); ++f)
     for (cl_uint i = 0; i < EACH(all); ++i)
       check_depths(formats[f], all[i], 1 + f % 2, lanes[f], 251);
@@ -388,16 +385,14 @@ static void check_far_plane(bool reversed) {
   setup_free(&s);
 }
 
-static void far_planes_cost_no_digits(void **state) {
-  (void)state;
+TEST(far_planes_cost_no_digits) {
   check_far_plane(false);
   check_far_plane(true);
 }
 
 /* NaN and what is too near are counted; the far end, what is beyond it, and
  * what lies beyond sky_depth are sky. */
-static void unusable_hardware_depths_are_sky(void **state) {
-  (void)state;
+TEST(unusable_hardware_depths_are_sky) {
   for (int i = 0; i < 4; ++i) {
     const bool reversed = i & 1, endless = i & 2;
     const float end = reversed ? 0.0f : 1.0f, out = reversed ? -1.0f : 1.0f;
@@ -458,8 +453,7 @@ static exact_planes moving_frames(hbil_depth_kind kind, clip_range range,
   return out;
 }
 
-static void all_passes_decode_hardware_depth(void **state) {
-  (void)state;
+TEST(all_passes_decode_hardware_depth) {
   for (int i = 0; i < 4; ++i) {
     const hbil_reprojection how =
         i & 1 ? HBIL_REPROJECTION_MOTION : HBIL_REPROJECTION_CAMERA;
@@ -500,10 +494,9 @@ static exact_planes moved_light(hbil_component component) {
   return out;
 }
 
-static void snorm_motion_is_read(void **state) {
+TEST(snorm_motion_is_read) {
   exact_planes want = moved_light(HBIL_FLOAT32);
   exact_planes got = moved_light(HBIL_SNORM16);
-  (void)state;
   /* measured: 3.7e-9 */
   check_at_most("carried light", relative_rmse(&got, &want, 0, 4), 1e-7);
   exact_planes_free(&want);
@@ -531,10 +524,9 @@ static unsigned allowed(plane_id id, bool hardware, bool octahedral) {
              : floats;
 }
 
-static void every_plane_has_its_formats(void **state) {
+TEST(every_plane_has_its_formats) {
   /* those of buffers; test_images is about HBIL_IMAGE */
   const int components = HBIL_SRGB8 + 1;
-  (void)state;
   for (int i = 0; i < 4 * PLANE_COUNT * components; ++i) {
     setup s;
     hbil_memory memory;
@@ -567,12 +559,11 @@ static void every_plane_has_its_formats(void **state) {
   }
 }
 
-static void projections_without_depth_are_rejected(void **state) {
+TEST(projections_without_depth_are_rejected) {
   const double bad[][2] = {{0.0, 0.0},      {NAN, 1.0},  {1.0, INFINITY},
                            {INFINITY, 1.0}, {1.0, NAN},  {1.0, 1e-39},
                            {1.0, 1e39},     {1e39, 1.0}, {1.0, -1e-300}};
   setup s;
-  (void)state;
   setup_init(&s, 8, 8);
   s.config.inputs.depth_kind = HBIL_DEPTH_HARDWARE;
   set_projection(&s.frame, (projection){CLIP_1_0, false, true});
@@ -589,15 +580,5 @@ static void projections_without_depth_are_rejected(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_code_of_a_colour_is_read),
-      cmocka_unit_test(every_normal_is_read),
-      cmocka_unit_test(every_hardware_depth_is_read),
-      cmocka_unit_test(far_planes_cost_no_digits),
-      cmocka_unit_test(unusable_hardware_depths_are_sky),
-      cmocka_unit_test(all_passes_decode_hardware_depth),
-      cmocka_unit_test(snorm_motion_is_read),
-      cmocka_unit_test(every_plane_has_its_formats),
-      cmocka_unit_test(projections_without_depth_are_rejected)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

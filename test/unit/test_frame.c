@@ -30,9 +30,8 @@ static void even_sky(setup *s) {
     s->frame.environment[0][c] = 0.5f + (float)c;
 }
 
-static void sequences_that_follow_the_camera_match(void **state) {
+TEST(sequences_that_follow_the_camera_match) {
   setup s;
-  (void)state;
   setup_scene(&s, SCENE_ROOM, 160, 90, 0);
   check_sequence(&s, SCENE_ROOM, 4);
   setup_scene(&s, SCENE_SKY, 17, 31, 0);
@@ -40,9 +39,8 @@ static void sequences_that_follow_the_camera_match(void **state) {
   check_sequence(&s, SCENE_SKY, 4);
 }
 
-static void sequences_that_follow_motion_match(void **state) {
+TEST(sequences_that_follow_motion_match) {
   setup s;
-  (void)state;
   setup_scene(&s, SCENE_ROOM, 160, 90, 0);
   s.config.history.reprojection = HBIL_REPROJECTION_MOTION;
   s.config.model.feedback = HBIL_FEEDBACK_RADIANCE;
@@ -98,8 +96,7 @@ static exact_planes last_of_three(bool signs, bool by_motion, bool rebuilt) {
   return out;
 }
 
-static void signs_of_other_view_spaces_make_no_difference(void **state) {
-  (void)state;
+TEST(signs_of_other_view_spaces_make_no_difference) {
   for (int i = 0; i < 3; ++i) {
     exact_planes want = last_of_three(false, i == 1, i == 2);
     exact_planes got = last_of_three(true, i == 1, i == 2);
@@ -182,31 +179,26 @@ static void check_same_bits(void (*enqueue)(setup *)) {
   exact_planes_free(&got);
 }
 
-static void a_second_run_gives_the_same_bits(void **state) {
-  (void)state;
+TEST(a_second_run_gives_the_same_bits) {
   check_same_bits(frame_at_once);
 }
 
-static void passes_one_by_one_give_the_same_bits(void **state) {
-  (void)state;
+TEST(passes_one_by_one_give_the_same_bits) {
   check_same_bits(pass_by_pass);
 }
 
-static void passes_chained_by_events_give_the_same_bits(void **state) {
-  (void)state;
+TEST(passes_chained_by_events_give_the_same_bits) {
   check_same_bits(chained_out_of_order);
 }
 
-static void an_out_of_order_queue_gives_the_same_bits(void **state) {
-  (void)state;
+TEST(an_out_of_order_queue_gives_the_same_bits) {
   check_same_bits(frame_out_of_order);
 }
 
-static void two_contexts_do_not_disturb_each_other(void **state) {
+TEST(two_contexts_do_not_disturb_each_other) {
   device_fixture other = device_open();
   setup a, b;
   exact_planes first, second;
-  (void)state;
   start_small(&a, &shared_device);
   start_small(&b, &other);
   for (uint32_t i = 0; i < 3; ++i) {
@@ -237,9 +229,8 @@ static void *third_frame_alone(void *out) {
   return NULL;
 }
 
-static void two_threads_at_once_do_not_disturb_each_other(void **state) {
+TEST(two_threads_at_once_do_not_disturb_each_other) {
   exact_planes want = third_frame(&shared_device, frame_at_once);
-  (void)state;
   for (int round = 0; round < 4; ++round) {
     pthread_t thread[2];
     exact_planes got[2];
@@ -282,9 +273,8 @@ static void check_waits(setup *s, enqueue_function *pass) {
   clReleaseEvent(done);
 }
 
-static void wait_lists_are_honoured(void **state) {
+TEST(wait_lists_are_honoured) {
   setup s;
-  (void)state;
   start_small(&s, &shared_device);
   for (int round = 0; round < 2; ++round) { /* without and with a history */
     for (size_t i = 0; i < PASSES; ++i)
@@ -297,10 +287,9 @@ static void wait_lists_are_honoured(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Histories                                                                 */
 
-static void a_reset_plan_begins_anew(void **state) {
+TEST(a_reset_plan_begins_anew) {
   setup s;
   exact_planes first, again, second;
-  (void)state;
   start_small(&s, &shared_device);
   setup_run(&s, hbil_enqueue_frame);
   first = outputs_read(&s);
@@ -363,8 +352,7 @@ static void adopt_history(setup s[2], bool still) {
   }
 }
 
-static void another_plan_adopts_a_history(void **state) {
-  (void)state;
+TEST(another_plan_adopts_a_history) {
   for (int still = 0; still < 2; ++still) {
     setup s[2];
     adopt_history(s, still);
@@ -378,9 +366,8 @@ static void another_plan_adopts_a_history(void **state) {
   }
 }
 
-static void a_history_is_checked(void **state) {
+TEST(a_history_is_checked) {
   setup s;
-  (void)state;
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, 8, 8);
   setup_start(&s);
   hbil_last_frame none = {.bounces = 1};
@@ -397,10 +384,9 @@ static void a_history_is_checked(void **state) {
   setup_free(&s);
 }
 
-static void every_frame_adds_a_bounce(void **state) {
+TEST(every_frame_adds_a_bounce) {
   setup s;
   double before = 0.0;
-  (void)state;
   start_small(&s, &shared_device);
   for (int i = 0; i < 4; ++i) {
     exact_planes out;
@@ -416,10 +402,9 @@ static void every_frame_adds_a_bounce(void **state) {
   setup_free(&s);
 }
 
-static void the_first_frame_is_lit_by_direct_light(void **state) {
+TEST(the_first_frame_is_lit_by_direct_light) {
   setup s;
   exact_planes out;
-  (void)state;
   start_small(&s, &shared_device);
   setup_run(&s, hbil_enqueue_frame);
   out = outputs_read(&s);
@@ -431,10 +416,9 @@ static void the_first_frame_is_lit_by_direct_light(void **state) {
 }
 
 /* Without light sources there is no near light, and occlusion is the same. */
-static void darkness_stays_dark(void **state) {
+TEST(darkness_stays_dark) {
   setup s;
   exact_planes lit, dark;
-  (void)state;
   start_small(&s, &shared_device);
   setup_run(&s, hbil_enqueue_frame);
   lit = outputs_read(&s);
@@ -451,12 +435,11 @@ static void darkness_stays_dark(void **state) {
   setup_free(&s);
 }
 
-static void timings_are_told_pass_by_pass(void **state) {
+TEST(timings_are_told_pass_by_pass) {
   setup s;
   device_fixture profiled = shared_device;
   double ms[HBIL_PASS_COUNT];
   cl_int error;
-  (void)state;
   profiled.queue = clCreateCommandQueue(shared_device.context, shared_device.id,
                                         CL_QUEUE_PROFILING_ENABLE, &error);
   assert_int_equal(error, CL_SUCCESS);
@@ -479,23 +462,5 @@ static void timings_are_told_pass_by_pass(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(sequences_that_follow_the_camera_match),
-      cmocka_unit_test(sequences_that_follow_motion_match),
-      cmocka_unit_test(signs_of_other_view_spaces_make_no_difference),
-      cmocka_unit_test(a_second_run_gives_the_same_bits),
-      cmocka_unit_test(passes_one_by_one_give_the_same_bits),
-      cmocka_unit_test(passes_chained_by_events_give_the_same_bits),
-      cmocka_unit_test(an_out_of_order_queue_gives_the_same_bits),
-      cmocka_unit_test(two_contexts_do_not_disturb_each_other),
-      cmocka_unit_test(two_threads_at_once_do_not_disturb_each_other),
-      cmocka_unit_test(wait_lists_are_honoured),
-      cmocka_unit_test(a_reset_plan_begins_anew),
-      cmocka_unit_test(another_plan_adopts_a_history),
-      cmocka_unit_test(a_history_is_checked),
-      cmocka_unit_test(every_frame_adds_a_bounce),
-      cmocka_unit_test(the_first_frame_is_lit_by_direct_light),
-      cmocka_unit_test(darkness_stays_dark),
-      cmocka_unit_test(timings_are_told_pass_by_pass)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -25,8 +25,7 @@ static void set_thickness(setup *s, float units, float share) {
 
 /* Planes so slightly rough that angles differ in their last digits, or not at
  * all. Sums and quotients of such differences must not lose precision. */
-static void hardly_rough_planes_match(void **state) {
-  (void)state;
+TEST(hardly_rough_planes_match) {
   for (int i = 0; i < 4; ++i) {
     setup s;
     random_state r = {.state = 5 + (uint64_t)i};
@@ -60,13 +59,12 @@ static void hardly_rough_planes_match(void **state) {
  * pass is run on the same planes twice: as (q, z) = (P.xy, P.z), and from 3e3
  * behind as (P.xy / (P.z + 3e3), P.z + 3e3).
  */
-static void far_views_become_orthographic(void **state) {
+TEST(far_views_become_orthographic) {
   enum { W = 61, H = 37 };
   const double away = 3e3, pixel = 0.1;
   random_state r = {.state = 2};
   exact_planes got[2], split = checked_planes(W, H, HBIL_SPLIT_PLANES);
   setup s;
-  (void)state;
   setup_init(&s, W, H);
   s.config.sampling.slices = 4;
   s.config.sampling.steps_per_side = 16;
@@ -122,10 +120,9 @@ static exact_planes room_as_thick_as(float share) {
 
 /* Very thick occluders hide as much as endless ones, except for the sectors'
  * rounding: measured .020 of AO, derived below 1/32 a half-slice. */
-static void endless_occluders_are_the_horizon_s(void **state) {
+TEST(endless_occluders_are_the_horizon_s) {
   exact_planes sectors = room_as_thick_as(1e4f);
   exact_planes horizon = room_as_thick_as(INFINITY);
-  (void)state;
   check_at_most("AO", relative_rmse(&sectors, &horizon, HBIL_LIGHT_AO, 1),
                 0.03);
   exact_planes_free(&sectors);
@@ -162,8 +159,7 @@ static void check_furnace(scene_kind kind, cl_uint slices, float radius,
   setup_free(&s);
 }
 
-static void the_white_furnace_is_closed(void **state) {
-  (void)state;
+TEST(the_white_furnace_is_closed) {
   check_furnace(SCENE_ROOM, 1, INFINITY, INFINITY);
   check_furnace(SCENE_ROOM, 2, INFINITY, INFINITY);
   check_furnace(SCENE_SKY, 4, INFINITY, INFINITY);
@@ -172,10 +168,5 @@ static void the_white_furnace_is_closed(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(hardly_rough_planes_match),
-      cmocka_unit_test(far_views_become_orthographic),
-      cmocka_unit_test(endless_occluders_are_the_horizon_s),
-      cmocka_unit_test(the_white_furnace_is_closed)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

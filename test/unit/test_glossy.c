@@ -40,11 +40,10 @@ static double quadrature(const half_slice *h, double end) {
   return sum * end / (3.0 * STEPS);
 }
 
-static void the_integral_is_that_of_quadrature(void **state) {
+TEST(the_integral_is_that_of_quadrature) {
   static const float roughness[] = {0.3f, 0.45f, 0.7f, 1.0f};
   hbil_config c;
   double worst = 0.0;
-  (void)state;
   hbil_config_init(&c);
   for (int i = 0; i < 4 * 5 * 8 * 4; ++i) {
     double n[3];
@@ -66,9 +65,8 @@ static void the_integral_is_that_of_quadrature(void **state) {
 }
 
 /* It is GGX's density of microfacets at half the angle from R. */
-static void the_lobe_is_ggx_seen_from_above(void **state) {
+TEST(the_lobe_is_ggx_seen_from_above) {
   hbil_config c;
-  (void)state;
   hbil_config_init(&c);
   for (int i = 3; i <= 10; ++i) {
     c.model.roughness = 0.1f * (float)i;
@@ -172,8 +170,7 @@ static void check_cached_frame(cl_uint width, hbil_far_field far,
   lit_free(&l);
 }
 
-static void cached_frames_match(void **state) {
-  (void)state;
+TEST(cached_frames_match) {
   for (int i = 0; i < 4; ++i)
     check_cached_frame(widths[i], (hbil_far_field)(3 - i),
                        HBIL_PROJECTION_PERSPECTIVE);
@@ -181,9 +178,5 @@ static void cached_frames_match(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_integral_is_that_of_quadrature),
-      cmocka_unit_test(the_lobe_is_ggx_seen_from_above),
-      cmocka_unit_test(cached_frames_match)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

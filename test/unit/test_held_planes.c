@@ -44,7 +44,7 @@ static dump write_frame(void) {
 }
 
 /* The file is gone after the first reading. */
-static void the_file_is_read_once(void **state) {
+TEST(the_file_is_read_once) {
   const unsigned few = 1u << ROLE_POSITION | 1u << ROLE_DEPTH;
   dump d = write_frame();
   reading r = dump_read(&d);
@@ -52,7 +52,6 @@ static void the_file_is_read_once(void **state) {
   gbuffer points = read_roles(&d, &r.map, few);
   held_planes held = {.is_read = 0};
   image_error error;
-  (void)state;
   r.map.held = &held;
   assert_same(&points, read_roles(&d, &r.map, few));
   assert_int_equal(unlink(d.path), 0);
@@ -69,13 +68,12 @@ static void the_file_is_read_once(void **state) {
 }
 
 /* A channel that can't be read fails those who want it, and nobody else. */
-static void who_wants_no_missing_channel_reads_on(void **state) {
+TEST(who_wants_no_missing_channel_reads_on) {
   dump d = write_frame();
   reading r = dump_read(&d);
   gbuffer plain = read_roles(&d, &r.map, 1u << ROLE_DEPTH), none;
   held_planes held = {.is_read = 0};
   image_error error;
-  (void)state;
   r.map.held = &held;
   snprintf(r.map.names[ROLE_DIRECT][1], sizeof r.map.names[ROLE_DIRECT][1],
            "missing");
@@ -98,13 +96,12 @@ static void assert_lies_at(const image *img, size_t plane,
 
 /* Frame after frame, planes are in the same memory, one behind the other, and
  * those that find no room are elsewhere. */
-static void planes_lie_in_lent_memory(void **state) {
+TEST(planes_lie_in_lent_memory) {
   const unsigned few = 1u << ROLE_NORMAL | 1u << ROLE_DEPTH;
   dump d = write_frame();
   reading r = dump_read(&d);
   gbuffer plain = read_roles(&d, &r.map, few);
   image_memory m = {.bytes = NULL};
-  (void)state;
   assert_int_equal(gbuffer_read_bytes(&r.map, few),
                    4 * image_memory_plane(sizeof(float) * PIXELS));
   for (size_t room = 4; room > 1; room--) {
@@ -128,13 +125,12 @@ static void planes_lie_in_lent_memory(void **state) {
 }
 
 /* What was read before moves to where the others are. */
-static void planes_move_into_lent_memory(void **state) {
+TEST(planes_move_into_lent_memory) {
   dump d = write_frame();
   reading r = dump_read(&d);
   gbuffer plain = read_roles(&d, &r.map, ALL);
   gbuffer moved = read_roles(&d, &r.map, ALL);
   image_memory m = {.bytes = NULL};
-  (void)state;
   image_memory_empty(&m, moved.planes.count *
                              image_memory_plane(sizeof(float) * PIXELS));
   image_memory_select(&m);
@@ -150,11 +146,5 @@ static void planes_move_into_lent_memory(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_file_is_read_once),
-      cmocka_unit_test(who_wants_no_missing_channel_reads_on),
-      cmocka_unit_test(planes_lie_in_lent_memory),
-      cmocka_unit_test(planes_move_into_lent_memory),
-  };
-  return RUN_WITH_DUMPS(tests);
+  return run_with_dumps();
 }

@@ -227,25 +227,22 @@ static void frames_have_the_same_bits(pair *p) {
   pair_end(p);
 }
 
-static void float_images_give_the_same_bits(void **state) {
+TEST(float_images_give_the_same_bits) {
   pair p;
-  (void)state;
   pair_begin(&p, &floats, &floats);
   frames_have_the_same_bits(&p);
 }
 
-static void so_they_do_with_shared_slices(void **state) {
+TEST(so_they_do_with_shared_slices) {
   pair p;
-  (void)state;
   pair_begin(&p, &floats, &floats);
   p.s.config.sampling.slice_frames = 2;
   frames_have_the_same_bits(&p);
 }
 
 /* Numbers that a conversion might change. */
-static void special_values_give_the_same_bits(void **state) {
+TEST(special_values_give_the_same_bits) {
   pair p;
-  (void)state;
   pair_begin(&p, &floats, &floats);
   pair_start(&p);
   load_frame(&p, 0);
@@ -265,12 +262,11 @@ static void special_values_give_the_same_bits(void **state) {
   pair_end(&p);
 }
 
-static void passes_one_by_one_give_the_same_bits(void **state) {
+TEST(passes_one_by_one_give_the_same_bits) {
   static enqueue_function *const passes[] = {
       enqueue_reproject, enqueue_push_pull, enqueue_split,
       enqueue_gather,    enqueue_recompose, enqueue_composite};
   pair p;
-  (void)state;
   pair_begin(&p, &floats, &floats);
   pair_start(&p);
   for (int frame = 0; frame < 2; ++frame) {
@@ -288,9 +284,8 @@ static void passes_one_by_one_give_the_same_bits(void **state) {
 
 /* --- formats with fewer bits --- */
 
-static void inputs_of_half_images_are_those_of_half_planes(void **state) {
+TEST(inputs_of_half_images_are_those_of_half_planes) {
   pair p;
-  (void)state;
   pair_begin(&p, &halves, &floats);
   for (plane_id id = 0; id < PLANE_FIRST_OUTPUT; ++id)
     plane_format(&p.s.config, id)->component =
@@ -298,9 +293,8 @@ static void inputs_of_half_images_are_those_of_half_planes(void **state) {
   frames_have_the_same_bits(&p);
 }
 
-static void colours_of_unorm_images_are_those_of_unorm_planes(void **state) {
+TEST(colours_of_unorm_images_are_those_of_unorm_planes) {
   pair p;
-  (void)state;
   pair_begin(&p, NULL, &floats);
   p.kinds[PLANE_ALBEDO] = &unorm8;
   p.s.config.inputs.albedo.component = HBIL_UNORM8;
@@ -318,9 +312,8 @@ static void colours_of_unorm_images_are_those_of_unorm_planes(void **state) {
 }
 
 /* Normals as (n+1)/2, and bent normals, each within its quantisation. */
-static void directions_keep_their_sign(void **state) {
+TEST(directions_keep_their_sign) {
   static const kind *const kinds[] = {&unorm8, &unorm16, &snorm16, &halves};
-  (void)state;
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
     pair p;
     pair_begin(&p, NULL, &floats);
@@ -343,9 +336,8 @@ static void directions_keep_their_sign(void **state) {
   }
 }
 
-static void outputs_keep_their_values(void **state) {
+TEST(outputs_keep_their_values) {
   static const kind *const kinds[] = {&halves, &unorm8, &unorm16, &snorm16};
-  (void)state;
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
     pair p;
     pair_begin(&p, NULL, kinds[i]);
@@ -370,9 +362,8 @@ static void outputs_keep_their_values(void **state) {
 }
 
 /* Light beyond the largest half is that, as in half planes. */
-static void bright_light_is_clipped_in_halves(void **state) {
+TEST(bright_light_is_clipped_in_halves) {
   pair p;
-  (void)state;
   pair_begin(&p, NULL, &halves);
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     plane_format(&p.s.config, id)->component = HBIL_FLOAT16;
@@ -408,14 +399,13 @@ static size_t plane_of_plan(int channels, size_t alignment) {
   return (bytes + alignment - 1) / alignment * alignment;
 }
 
-static void memory_and_times_are_counted(void **state) {
+TEST(memory_and_times_are_counted) {
   pair p;
   hbil_buffer history;
   size_t with, without, second, planes = 0;
   double ms[HBIL_PASS_COUNT];
   cl_int error;
   device_fixture profiled = shared_device;
-  (void)state;
   profiled.queue = clCreateCommandQueue(shared_device.context, shared_device.id,
                                         CL_QUEUE_PROFILING_ENABLE, &error);
   assert_int_equal(error, CL_SUCCESS);
@@ -471,11 +461,10 @@ static void rejected_image(pair *p, plane_id id, cl_mem image,
   clReleaseMemObject(image);
 }
 
-static void other_objects_are_rejected_by_name(void **state) {
+TEST(other_objects_are_rejected_by_name) {
   static const kind integers = {CL_UNSIGNED_INT8, 1, 0.0};
   pair p;
   cl_int error;
-  (void)state;
   pair_begin(&p, &floats, &floats);
   pair_start(&p);
   load_frame(&p, 0);
@@ -520,17 +509,5 @@ static void other_objects_are_rejected_by_name(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(float_images_give_the_same_bits),
-      cmocka_unit_test(so_they_do_with_shared_slices),
-      cmocka_unit_test(special_values_give_the_same_bits),
-      cmocka_unit_test(passes_one_by_one_give_the_same_bits),
-      cmocka_unit_test(inputs_of_half_images_are_those_of_half_planes),
-      cmocka_unit_test(colours_of_unorm_images_are_those_of_unorm_planes),
-      cmocka_unit_test(directions_keep_their_sign),
-      cmocka_unit_test(outputs_keep_their_values),
-      cmocka_unit_test(bright_light_is_clipped_in_halves),
-      cmocka_unit_test(memory_and_times_are_counted),
-      cmocka_unit_test(other_objects_are_rejected_by_name)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -42,12 +42,11 @@ static double now(void) {
  * beside a sky, and a lobe that is a whole sphere. */
 static const uint64_t found[] = {732, 1150};
 
-static void passes_match_with_any_settings(void **state) {
+TEST(passes_match_with_any_settings) {
   const char *one = getenv("HBIL_STRESS_CASE");
   const double end = now() + stress_effort.seconds;
   setup s;
   drawn d;
-  (void)state;
   if (one) {
     draw_case(&s, &d, strtoull(one, NULL, 10));
     check(&s, &d);
@@ -64,8 +63,6 @@ static void passes_match_with_any_settings(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(passes_match_with_any_settings)};
   stress_read_effort();
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -17,8 +17,7 @@ static const double no_offset[] = {0, 0};
 /* ------------------------------------------------------------------------ */
 /* The layouts                                                               */
 
-static void reads_blender(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(reads_blender) {
   for (int scene = 0; scene < SCENE_KINDS; scene++) {
     dump d = dump_begin((scene_kind)scene);
     dump_add_depth(&d, "ViewLayer.Depth", "Z", 1, 1e10f);
@@ -54,9 +53,8 @@ static void reads_blender(void **state) {
 }
 
 /* EEVEE's sky has the depth of the far plane, a little more. */
-static void the_far_plane_of_eevee_is_sky(void **state) {
+TEST_WITH_BOTH_CAMERAS(the_far_plane_of_eevee_is_sky) {
   const double far = 1000;
-  (void)state;
   for (int said = 0; said < 2; said++) {
     dump d = dump_begin(SCENE_SKY);
     dump_add_depth(&d, "ViewLayer.Depth", "Z", 1, 1000.0725f);
@@ -80,8 +78,7 @@ static void the_far_plane_of_eevee_is_sky(void **state) {
 
 /* Positions in camera space with z forwards; a left-handed world; matrices for
  * column vectors, with the same scale for width and height. */
-static void reads_pbrt(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(reads_pbrt) {
   dump d = dump_begin(SCENE_ROOM);
   const double scale = d.s.camera.fx / HEIGHT;
   dump_add_vectors(&d, "P", letters_xyz, d.s.position, AXES_LEFT_HANDED, 1);
@@ -112,8 +109,7 @@ static void reads_pbrt(void **state) {
 }
 
 /* Distances begin at the near plane. */
-static void reads_mitsuba(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(reads_mitsuba) {
   for (int with_positions = 0; with_positions < 2; with_positions++) {
     dump d = dump_begin(SCENE_ROOM);
     dump_add_ray(&d, "dd.y", "T", 0.25, 0);
@@ -137,8 +133,7 @@ static void reads_mitsuba(void **state) {
 
 /* Matrices for row vectors, a picture of -1..1; planar or ray depth is found
  * out. */
-static void reads_arnold(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(reads_arnold) {
   for (int ray = 0; ray < 2; ray++) {
     dump d = dump_begin(SCENE_SKY);
     if (ray)
@@ -164,8 +159,7 @@ static void reads_arnold(void **state) {
   }
 }
 
-static void reads_vray(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(reads_vray) {
   dump d = dump_begin(SCENE_ROOM);
   dump_add_depth(&d, "", "Z", 1, 65504.0f);
   dump_add_vectors(&d, "bump_normals", letters_xyz, d.s.normal, AXES_OPENGL, 0);
@@ -183,8 +177,7 @@ static void reads_vray(void **state) {
 }
 
 /* A left-handed world, z forwards, a picture of 0..1 whose y runs down. */
-static void reads_renderman(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(reads_renderman) {
   dump d = dump_begin(SCENE_ROOM);
   dump_add_depth(&d, "", "z", 1, INFINITY);
   dump_add_vectors(&d, "__Nworld", letters_small_rgb, d.s.normal, AXES_MIRRORED,
@@ -208,8 +201,7 @@ static void reads_renderman(void **state) {
 }
 
 /* Centimetres; normals of a material that encodes them. */
-static void reads_unreal(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(reads_unreal) {
   dump d = dump_begin(SCENE_ROOM);
   dump_add_depth(&d, "FinalImageMovieRenderQueue_WorldDepth", "R", 100,
                  65504.0f);
@@ -244,10 +236,9 @@ typedef struct depth_case {
 /* 1/z is stored, so a rounding changes z the more, the larger its ratio to the
  * near plane is. With an orthographic camera the rounding is that of the far
  * plane, relative to the nearest surface at 3. */
-static void reads_device_depths(void **state) {
+TEST_WITH_BOTH_CAMERAS(reads_device_depths) {
   const double near = 0.5, far = 200;
   const double rounding_of_z = 6e-8 * (dump_orthographic ? far / 3 : 90 / near);
-  (void)state;
   for (int reversed = 0; reversed < 2; reversed++) {
     dump d = dump_begin(SCENE_SKY);
     float *out = dump_add_plane(&d, "depth", "Z");
@@ -294,7 +285,7 @@ static int is_as_stored(const dump *d, const reading *r, role which, size_t c,
 
 /* Depth of every kind and normals with any signs go to the library as they are,
  * with a configuration that says what they are. */
-static void planes_are_handed_over_as_stored(void **state) {
+TEST_WITH_BOTH_CAMERAS(planes_are_handed_over_as_stored) {
   static const struct {
     int depth;
     hbil_depth_kind kind;
@@ -303,7 +294,6 @@ static void planes_are_handed_over_as_stored(void **state) {
                {DEPTH_RAY, HBIL_DEPTH_RAY, 0, 1},
                {DEPTH_DEVICE, HBIL_DEPTH_HARDWARE, 0, 1},
                {DEPTH_REVERSED, HBIL_DEPTH_HARDWARE, 0, 1}};
-  (void)state;
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     dump d = dump_begin(SCENE_SKY);
     double ab[2];
@@ -333,8 +323,7 @@ static void planes_are_handed_over_as_stored(void **state) {
 
 /* Channels named Z and N alone: depth counts backwards, the sky is the largest
  * half float, and normals are in camera space. All of it is found out. */
-static void guesses_what_plain_letters_mean(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(guesses_what_plain_letters_mean) {
   dump d = dump_begin(SCENE_SKY);
   dump_add_depth(&d, "", "Z", -1, -65504.0f);
   dump_add_vectors(&d, "N", letters_xyz, d.s.normal, AXES_OPENGL, 0);
@@ -348,8 +337,7 @@ static void guesses_what_plain_letters_mean(void **state) {
   dump_end(&d);
 }
 
-static void options_have_the_last_word(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(options_have_the_last_word) {
   dump d = dump_begin(SCENE_SKY);
   float *const turned[3] = {d.s.normal[0], d.s.normal[1], d.s.normal[2]};
   dump_add_ray(&d, "far", "away", 0, 1000.0f);
@@ -375,8 +363,7 @@ static void options_have_the_last_word(void **state) {
 }
 
 /* Depth, albedo and the rest are in files of their own; the albedo is a PNG. */
-static void reads_one_file_a_pass(void **state) {
-  (void)state;
+TEST(reads_one_file_a_pass) {
   dump d = dump_begin(SCENE_ROOM);
   dump depth = dump_begin(SCENE_ROOM);
   char png[128];
@@ -413,9 +400,8 @@ static void reads_one_file_a_pass(void **state) {
 
 /* A data window that is larger than the display window, then one that is
  * smaller. */
-static void reads_display_and_data_windows(void **state) {
+TEST_WITH_BOTH_CAMERAS(reads_display_and_data_windows) {
   enum { MORE = 10 };
-  (void)state;
   dump plain = dump_begin(SCENE_ROOM);
   const hbil_camera *same = &plain.s.camera;
   const double lens = dump_orthographic
@@ -467,9 +453,8 @@ static void reads_display_and_data_windows(void **state) {
 }
 
 /* The camera's axis isn't in the middle of the picture. */
-static void reads_off_centre_cameras(void **state) {
+TEST_WITH_BOTH_CAMERAS(reads_off_centre_cameras) {
   enum { AWAY_X = 20, AWAY_Y = 10 };
-  (void)state;
   for (int down = 0; down < 2; down++) {
     dump d = dump_begin(SCENE_ROOM);
     const hbil_camera *c = &d.s.camera;
@@ -490,22 +475,5 @@ static void reads_off_centre_cameras(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      WITH_BOTH_CAMERAS(reads_blender),
-      WITH_BOTH_CAMERAS(the_far_plane_of_eevee_is_sky),
-      WITH_BOTH_CAMERAS(reads_pbrt),
-      WITH_BOTH_CAMERAS(reads_mitsuba),
-      WITH_BOTH_CAMERAS(reads_arnold),
-      WITH_BOTH_CAMERAS(reads_vray),
-      WITH_BOTH_CAMERAS(reads_renderman),
-      WITH_BOTH_CAMERAS(reads_unreal),
-      WITH_BOTH_CAMERAS(reads_device_depths),
-      WITH_BOTH_CAMERAS(planes_are_handed_over_as_stored),
-      WITH_BOTH_CAMERAS(guesses_what_plain_letters_mean),
-      WITH_BOTH_CAMERAS(options_have_the_last_word),
-      cmocka_unit_test(reads_one_file_a_pass),
-      WITH_BOTH_CAMERAS(reads_display_and_data_windows),
-      WITH_BOTH_CAMERAS(reads_off_centre_cameras),
-  };
-  return RUN_WITH_DUMPS(tests);
+  return run_with_dumps();
 }

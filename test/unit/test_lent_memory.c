@@ -86,11 +86,10 @@ static void compare_plans(setup *s, size_t before, bool in_sub_buffer) {
   hbil_plan_destroy(lent);
 }
 
-static void overwritten_memory_changes_nothing(void **state) {
+TEST(overwritten_memory_changes_nothing) {
   static const hbil_reprojection reprojections[] = {HBIL_REPROJECTION_CAMERA,
                                                     HBIL_REPROJECTION_MOTION,
                                                     HBIL_REPROJECTION_NONE};
-  (void)state;
   for (size_t i = 0; i < sizeof reprojections / sizeof *reprojections; ++i)
     for (cl_uint vector = 0; vector < 2; ++vector) { /* 0: the device's own */
       setup s;
@@ -103,9 +102,8 @@ static void overwritten_memory_changes_nothing(void **state) {
     }
 }
 
-static void floats_live_there_as_well(void **state) {
+TEST(floats_live_there_as_well) {
   setup s;
-  (void)state;
   setup_scene(&s, SCENE_ROOM, WIDTH, HEIGHT, 0);
   setup_all_outputs(&s);
   s.config.sampling.slices = 1; /* the gather stores weights */
@@ -113,29 +111,26 @@ static void floats_live_there_as_well(void **state) {
   setup_free(&s);
 }
 
-static void normals_from_depth_live_there(void **state) {
+TEST(normals_from_depth_live_there) {
   setup s;
-  (void)state;
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   s.config.inputs.normal.component = HBIL_NONE;
   compare_plans(&s, 0, false);
   setup_free(&s);
 }
 
-static void a_sub_buffer_will_do(void **state) {
+TEST(a_sub_buffer_will_do) {
   setup s;
-  (void)state;
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   compare_plans(&s, 1 << 16, true);
   setup_free(&s);
 }
 
 /* Two sizes in turn, each frame over the other plan's remains. */
-static void plans_share_one_buffer(void **state) {
+TEST(plans_share_one_buffer) {
   setup s[2];
   hbil_plan *lent[2];
   size_t bytes = 0;
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     setup_every_pass(&s[i], HBIL_REPROJECTION_CAMERA, 0, WIDTH << i,
                      HEIGHT + 20 * i);
@@ -163,10 +158,9 @@ static void plans_share_one_buffer(void **state) {
 }
 
 /* Other passes may be at work there at the time. */
-static void creating_a_plan_writes_nothing(void **state) {
+TEST(creating_a_plan_writes_nothing) {
   setup s;
   hbil_plan *plan;
-  (void)state;
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   s.config.inputs.normal.component = HBIL_NONE;
   const size_t bytes = memory_of(&s).scratch;
@@ -190,10 +184,9 @@ static void creating_a_plan_writes_nothing(void **state) {
 
 /* A static frame reads what its last one left in scratch memory, which nobody
  * has used since. */
-static void static_frames_rest_there(void **state) {
+TEST(static_frames_rest_there) {
   setup s;
   hbil_plan *lent;
-  (void)state;
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   setup_start(&s);
   cl_mem scratch = make_scratch(&s, CL_MEM_READ_WRITE, memory_of(&s).scratch);
@@ -227,9 +220,8 @@ static void check_rejected(setup *s, cl_mem scratch, const char *words) {
     clReleaseMemObject(scratch);
 }
 
-static void unfit_memory_is_rejected(void **state) {
+TEST(unfit_memory_is_rejected) {
   setup s;
-  (void)state;
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   const size_t bytes = memory_of(&s).scratch;
   check_rejected(&s, NULL, "scratch");
@@ -240,10 +232,9 @@ static void unfit_memory_is_rejected(void **state) {
   setup_free(&s);
 }
 
-static void planes_in_scratch_memory_are_rejected(void **state) {
+TEST(planes_in_scratch_memory_are_rejected) {
   setup s;
   hbil_plan *lent;
-  (void)state;
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 0, WIDTH, HEIGHT);
   setup_start(&s);
   const size_t scratch_bytes = memory_of(&s).scratch;
@@ -271,15 +262,5 @@ static void planes_in_scratch_memory_are_rejected(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(overwritten_memory_changes_nothing),
-      cmocka_unit_test(floats_live_there_as_well),
-      cmocka_unit_test(normals_from_depth_live_there),
-      cmocka_unit_test(a_sub_buffer_will_do),
-      cmocka_unit_test(plans_share_one_buffer),
-      cmocka_unit_test(creating_a_plan_writes_nothing),
-      cmocka_unit_test(static_frames_rest_there),
-      cmocka_unit_test(unfit_memory_is_rejected),
-      cmocka_unit_test(planes_in_scratch_memory_are_rejected)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -45,8 +45,7 @@ static void destroy(family *f, int which) {
     hbil_plan_destroy(f->plans[which]);
 }
 
-static void any_order_is_safe(void **state) {
-  (void)state;
+TEST_WITHOUT_KERNELS(any_order_is_safe) {
   for (int context_at = 0; context_at <= PLANS; ++context_at) {
     family f;
     start(&f);
@@ -58,9 +57,8 @@ static void any_order_is_safe(void **state) {
   }
 }
 
-static void a_failed_plan_keeps_no_context(void **state) {
+TEST_WITHOUT_KERNELS(a_failed_plan_keeps_no_context) {
   family f;
-  (void)state;
   start(&f);
   hbil_config config;
   hbil_config_init(&config); /* no size */
@@ -79,11 +77,10 @@ static void note(hbil_message_kind kind, const char *message, void *user) {
   ++*(int *)user;
 }
 
-static void a_plan_fails_without_its_context(void **state) {
+TEST_WITHOUT_KERNELS(a_plan_fails_without_its_context) {
   family f;
   hbil_buffer buffer;
   int count = 0;
-  (void)state;
   start(&f);
   assert_int_equal(hbil_context_set_callback(f.context, note, &count),
                    HBIL_SUCCESS);
@@ -101,10 +98,9 @@ static void a_plan_fails_without_its_context(void **state) {
 
 /* Frames without a context, and the plan and the queue go while they are under
  * way. */
-static void frames_outlive_context_and_plan(void **state) {
+TEST(frames_outlive_context_and_plan) {
   const long before = shim_references();
   cl_command_queue_properties kinds = 0;
-  (void)state;
   /* rusticl 22.3 has no out-of-order queues */
   clGetDeviceInfo(shared_device.id, CL_DEVICE_QUEUE_PROPERTIES, sizeof kinds,
                   &kinds, NULL);
@@ -143,9 +139,8 @@ static void frames_outlive_context_and_plan(void **state) {
 
 /* A child that leaves the parent's objects alone, at every moment between two
  * frames. */
-static void frames_are_not_disturbed_by_children(void **state) {
+TEST(frames_are_not_disturbed_by_children) {
   exact_planes out[2];
-  (void)state;
   for (int forks = 0; forks < 2; ++forks) {
     setup s;
     setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
@@ -174,46 +169,21 @@ static void frames_are_not_disturbed_by_children(void **state) {
 /* The status of a child that was there before OpenCL was called, and had a
  * context and plans of its own. */
 static int first_child;
-static void early_children_have_contexts_of_their_own(void **state) {
-  (void)state;
+TEST(early_children_have_contexts_of_their_own) {
   assert_true(WIFEXITED(first_child));
   assert_int_equal(WEXITSTATUS(first_child), 0);
 }
 
-/* Under valgrind, kernels would be compiled for its own idea of a processor:
- * most tests here need none. */
-static int skip_builds(void **state) {
-  (void)state;
-  shim_skip_builds(true);
-  return 0;
-}
-
-static int stop_skipping(void **state) {
-  (void)state;
-  shim_skip_builds(false);
-  return 0;
-}
-
-#define WITHOUT_KERNELS(test)                                                  \
-  cmocka_unit_test_setup_teardown(test, skip_builds, stop_skipping)
-
 int main(int argc, char **argv) {
-  const struct CMUnitTest tests[] = {
-      WITHOUT_KERNELS(any_order_is_safe),
-      WITHOUT_KERNELS(a_failed_plan_keeps_no_context),
-      WITHOUT_KERNELS(a_plan_fails_without_its_context),
-      cmocka_unit_test(frames_outlive_context_and_plan),
-      cmocka_unit_test(frames_are_not_disturbed_by_children),
-      cmocka_unit_test(early_children_have_contexts_of_their_own)};
-  const struct CMUnitTest of_child[] = {WITHOUT_KERNELS(any_order_is_safe)};
   const pid_t child = fork();
   if (child == 0) { /* its results are no results of this process */
     if (!freopen("/dev/null", "w", stdout))
       return 1;
-    return RUN_WITH_DEVICE(of_child);
+    cmocka_set_test_filter("any_order_is_safe");
+    return run_with_device();
   }
   waitpid(child, &first_child, 0);
   if (argc > 1) /* names of tests to leave out, as a pattern */
     cmocka_set_skip_filter(argv[1]);
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -158,9 +158,8 @@ static void prepare(setup *s, int width, int height) {
   setup_all_outputs(s);
 }
 
-static void every_setting_takes_the_announced_memory(void **state) {
+TEST_WITHOUT_KERNELS(every_setting_takes_the_announced_memory) {
   int checked = 0;
-  (void)state;
   for (size_t o = 0; o < OUTPUTS; ++o)
     for (size_t v = 0; v < (o ? COMMON_VARIANTS : VARIANTS); ++v) {
       setup s;
@@ -175,8 +174,7 @@ static void every_setting_takes_the_announced_memory(void **state) {
                    (int)(VARIANTS + (OUTPUTS - 1) * COMMON_VARIANTS) - 3);
 }
 
-static void every_size_takes_the_announced_memory(void **state) {
-  (void)state;
+TEST_WITHOUT_KERNELS(every_size_takes_the_announced_memory) {
   for (size_t i = 0; i < SIZES; ++i)
     for (size_t o = 0; o < 2; ++o) { /* all outputs, AO alone */
       setup s;
@@ -195,9 +193,8 @@ static void use_everything(setup *s) {
   s->config.model.far_field = HBIL_FAR_FRAME;
 }
 
-static void frames_create_no_buffers(void **state) {
+TEST(frames_create_no_buffers) {
   setup s;
-  (void)state;
   use_everything(&s);
   setup_start(&s);
   shim_start_counting();
@@ -211,9 +208,8 @@ static void frames_create_no_buffers(void **state) {
   setup_free(&s);
 }
 
-static void the_query_creates_no_buffers(void **state) {
+TEST(the_query_creates_no_buffers) {
   setup s;
-  (void)state;
   use_everything(&s);
   shim_start_counting();
   assert_true(setup_memory(&s) > 0);
@@ -222,12 +218,11 @@ static void the_query_creates_no_buffers(void **state) {
 }
 
 /* What a plan can't have, the query rejects as well, in the same words. */
-static void the_query_rejects_what_create_rejects(void **state) {
+TEST(the_query_rejects_what_create_rejects) {
   setup s;
   hbil_memory memory;
   char message[256];
   hbil_plan *plan = NULL;
-  (void)state;
   use_everything(&s);
   for (cl_ulong most = 4096; most; most = most < 65536 ? 65536 : 0) {
     shim_answer(CL_DEVICE_MAX_MEM_ALLOC_SIZE, &most, sizeof most);
@@ -294,9 +289,8 @@ static void check_planes(const hbil_config *config, plane_counts counts) {
                 1.25);
 }
 
-static void padding_is_at_most_a_quarter(void **state) {
+TEST_WITHOUT_KERNELS(padding_is_at_most_a_quarter) {
   setup s;
-  (void)state;
   prepare(&s, 1280, 720);
   check_planes(&s.config, (plane_counts){4, 4, 7, 7, 9});
   s.config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
@@ -311,9 +305,8 @@ static void padding_is_at_most_a_quarter(void **state) {
   setup_free(&s);
 }
 
-static void packed_padding_is_at_most_a_quarter(void **state) {
+TEST_WITHOUT_KERNELS(packed_padding_is_at_most_a_quarter) {
   setup s;
-  (void)state;
   prepare(&s, 1280, 720);
   s.config.sampling.storage = HBIL_STORAGE_PACKED;
   check_planes(&s.config, (plane_counts){2, 2, 3, 3, 9});
@@ -340,8 +333,7 @@ static size_t memory_with(hbil_mode mode, hbil_far_field far_field) {
 
 /* HBIL_FAR_AUTO is the frame's estimate, which has planes of its own, where
  * there is light, and none where there is occlusion alone. */
-static void the_default_far_field_depends_on_the_mode(void **state) {
-  (void)state;
+TEST(the_default_far_field_depends_on_the_mode) {
   const size_t none = memory_with(HBIL_MODE_HBIL, HBIL_FAR_NONE);
   assert_true(memory_with(HBIL_MODE_HBIL, HBIL_FAR_FRAME) > none);
   assert_int_equal(memory_with(HBIL_MODE_HBIL, HBIL_FAR_AUTO),
@@ -354,9 +346,8 @@ static void the_default_far_field_depends_on_the_mode(void **state) {
  * each plane of 16 layers, two planes to split and one gathered, in a quarter
  * of the rows; and four vectors in each row of the plane of resolved AO.  A
  * twentieth more is for the rest: rows around the layers, states, bounds. */
-static void narrow_pictures_take_little_memory(void **state) {
+TEST(narrow_pictures_take_little_memory) {
   static const cl_uint widths[] = {1, 4, 8, 16};
-  (void)state;
   for (size_t i = 0; i < sizeof widths / sizeof *widths; ++i) {
     setup s;
     /* spans of single pixels have four, as many as there are in a layer */
@@ -388,10 +379,9 @@ static bool gives_huge_pages(void) {
 }
 
 /* The split of 1280 x 720 pixels is large enough, and nothing of 33 x 18. */
-static void large_buffers_of_cpus_are_freed_with_their_plan(void **state) {
+TEST_WITHOUT_KERNELS(large_buffers_of_cpus_are_freed_with_their_plan) {
   setup s;
   hbil_plan *plan;
-  (void)state;
   for (int large = 0; large < 2; ++large) {
     prepare(&s, large ? 1280 : 33, large ? 720 : 18);
     shim_start_counting();
@@ -409,11 +399,10 @@ static void large_buffers_of_cpus_are_freed_with_their_plan(void **state) {
 
 /* Each call of OpenCL that creating a plan makes fails once.  If one that is
  * about huge pages fails, the plan must do without; and nothing may leak. */
-static void plans_do_without_huge_pages(void **state) {
+TEST_WITHOUT_KERNELS(plans_do_without_huge_pages) {
   setup s;
   hbil_plan *plan;
   int managed = 0;
-  (void)state;
   if (!gives_huge_pages())
     skip();
   prepare(&s, 1280, 720);
@@ -440,34 +429,6 @@ static void plans_do_without_huge_pages(void **state) {
   setup_free(&s);
 }
 
-/* Creating a plan is all that these tests do with it: no kernel is needed. */
-static int skip_builds(void **state) {
-  (void)state;
-  shim_skip_builds(true);
-  return 0;
-}
-
-static int stop_skipping(void **state) {
-  (void)state;
-  shim_skip_builds(false);
-  return 0;
-}
-
-#define WITHOUT_KERNELS(test)                                                  \
-  cmocka_unit_test_setup_teardown(test, skip_builds, stop_skipping)
-
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      WITHOUT_KERNELS(every_setting_takes_the_announced_memory),
-      WITHOUT_KERNELS(every_size_takes_the_announced_memory),
-      cmocka_unit_test(frames_create_no_buffers),
-      cmocka_unit_test(the_query_creates_no_buffers),
-      cmocka_unit_test(the_query_rejects_what_create_rejects),
-      cmocka_unit_test(the_default_far_field_depends_on_the_mode),
-      cmocka_unit_test(narrow_pictures_take_little_memory),
-      WITHOUT_KERNELS(padding_is_at_most_a_quarter),
-      WITHOUT_KERNELS(packed_padding_is_at_most_a_quarter),
-      WITHOUT_KERNELS(large_buffers_of_cpus_are_freed_with_their_plan),
-      WITHOUT_KERNELS(plans_do_without_huge_pages)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

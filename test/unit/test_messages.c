@@ -33,12 +33,11 @@ static void check_message(const hbil_context *context, hbil_status status,
 #define CHECK_NULL(context, function, arguments, name)                         \
   check_message((context), function arguments, #function, name)
 
-static void null_arguments_of_a_context(void **state) {
+TEST(null_arguments_of_a_context) {
   hbil_context *const context = shared_device.hbil;
   hbil_config config;
   hbil_plan *plan = NULL;
   hbil_memory memory;
-  (void)state;
   hbil_config_init(&config);
   CHECK_NULL(context, hbil_plan_memory, (context, NULL, &memory), "config");
   CHECK_NULL(context, hbil_plan_memory, (context, &config, NULL), "out");
@@ -46,13 +45,12 @@ static void null_arguments_of_a_context(void **state) {
   CHECK_NULL(context, hbil_plan_create, (context, &config, NULL), "out");
 }
 
-static void null_arguments_of_a_plan(void **state) {
+TEST(null_arguments_of_a_plan) {
   const hbil_context *const context = shared_device.hbil;
   const cl_command_queue queue = shared_device.queue;
   hbil_statistics statistics;
   hbil_sanitized sanitized;
   setup s;
-  (void)state;
   setup_init(&s, WIDTH, HEIGHT);
   setup_start(&s);
   const cl_event event = NULL;
@@ -89,7 +87,7 @@ static void *ask_in_a_thread(void *message) {
   return NULL;
 }
 
-static void failures_without_a_context(void **state) {
+TEST(failures_without_a_context) {
   const cl_command_queue queue = shared_device.queue;
   hbil_context *context = NULL;
   hbil_plan *plan = NULL;
@@ -104,7 +102,6 @@ static void failures_without_a_context(void **state) {
   float sh[9][3];
   const float rgb[6] = {0};
   hbil_memory memory;
-  (void)state;
   hbil_config_init(&config);
   hbil_frame_init(&frame);
   hbil_cache_config_init(&cache);
@@ -150,11 +147,10 @@ static void failures_without_a_context(void **state) {
              "row_pitch");
 }
 
-static void each_thread_has_its_own(void **state) {
+TEST(each_thread_has_its_own) {
   pthread_t thread;
   char there[8] = "unset";
   hbil_context *context = NULL;
-  (void)state;
   hbil_context_create(NULL, NULL, &context);
   assert_int_equal(pthread_create(&thread, NULL, ask_in_a_thread, there), 0);
   pthread_join(thread, NULL);
@@ -162,10 +158,9 @@ static void each_thread_has_its_own(void **state) {
   assert_string_not_equal(hbil_context_message(NULL), "");
 }
 
-static void a_context_keeps_its_own(void **state) {
+TEST(a_context_keeps_its_own) {
   hbil_context *context = NULL;
   hbil_plan *plan = NULL;
-  (void)state;
   assert_int_equal(
       hbil_context_create(shared_device.context, shared_device.id, &context),
       HBIL_SUCCESS);
@@ -210,11 +205,10 @@ static void check_heard(const listener *l, int i, hbil_message_kind kind,
     fail_msg("message %d: \"%s\"; expected \"%s\"", i, l->text[i], part);
 }
 
-static void the_callback_gets_errors(void **state) {
+TEST(the_callback_gets_errors) {
   hbil_config config;
   hbil_memory memory;
   listener l;
-  (void)state;
   hbil_config_init(&config);
   listen(&l);
   for (cl_uint i = 0; i < 2; ++i) {
@@ -249,12 +243,11 @@ static void restore_errors(int stderr_copy) {
 }
 
 /* A folder with one kernel, at which the compiler has a remark. */
-static void the_callback_gets_warnings_of_kernels(void **state) {
+TEST(the_callback_gets_warnings_of_kernels) {
   char folder[] = "hbil-messages.XXXXXX", path[64];
   hbil_plan *plan = NULL;
   listener l;
   setup s;
-  (void)state;
   skip_unless_pocl(); /* rusticl 22.3 has no log of a build that succeeded */
   setup_every_pass(&s, HBIL_REPROJECTION_CAMERA, 1, WIDTH, HEIGHT);
   assert_non_null(mkdtemp(folder));
@@ -290,11 +283,10 @@ char *secure_getenv(const char *name) {
   return is_setuid ? NULL : getenv(name);
 }
 
-static void setuid_programs_have_their_own_kernels(void **state) {
+TEST(setuid_programs_have_their_own_kernels) {
   hbil_plan *plan = NULL;
   listener l;
   setup s;
-  (void)state;
   setup_init(&s, WIDTH, HEIGHT);
   setenv("HBIL_KERNEL_DIR", "/no such folder", 1);
   listen(&l);
@@ -314,12 +306,11 @@ static void setuid_programs_have_their_own_kernels(void **state) {
 #endif
 
 /* Frames go on without an event that only timings need. */
-static void the_callback_gets_warnings_of_timings(void **state) {
+TEST(the_callback_gets_warnings_of_timings) {
   double ms[HBIL_PASS_COUNT];
   listener l;
   setup s;
   cl_int error;
-  (void)state;
   setup_init(&s, WIDTH, HEIGHT);
   s.config.execution.profiling = CL_TRUE;
   device_fixture profiled = shared_device;
@@ -354,17 +345,5 @@ static void the_callback_gets_warnings_of_timings(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(null_arguments_of_a_context),
-      cmocka_unit_test(null_arguments_of_a_plan),
-      cmocka_unit_test(failures_without_a_context),
-      cmocka_unit_test(each_thread_has_its_own),
-      cmocka_unit_test(a_context_keeps_its_own),
-      cmocka_unit_test(the_callback_gets_errors),
-#ifdef HBIL_HAS_SECURE_GETENV
-      cmocka_unit_test(setuid_programs_have_their_own_kernels),
-#endif
-      cmocka_unit_test(the_callback_gets_warnings_of_kernels),
-      cmocka_unit_test(the_callback_gets_warnings_of_timings)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

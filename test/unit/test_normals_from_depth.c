@@ -88,9 +88,8 @@ static double rounding(const setup *s) {
   return s->frame.camera.fx * ldexp(1.0, -22) * 2.0 * (flat ? 8.0 : 1.5);
 }
 
-static void planes_are_exact(void **state) {
+TEST(planes_are_exact) {
   double most = 0.0;
-  (void)state;
   for (int v = 0; v < VARIANTS; ++v)
     for (int i = 0; i < 9; ++i) {
       setup s;
@@ -116,9 +115,8 @@ static void planes_are_exact(void **state) {
 }
 
 /* Four planes, with edges between them along rows and columns. */
-static void edges_bend_no_normals(void **state) {
+TEST(edges_bend_no_normals) {
   double most = 0.0;
-  (void)state;
   for (int v = 0; v < VARIANTS; ++v) {
     setup s;
     double n[4][3];
@@ -166,9 +164,8 @@ static float sphere(const setup *s, int x, int y, double n[3]) {
 /* A difference to a neighbour is the gradient half a pixel away.  There the
  * normal is turned by half of what a pixel covers of the sphere, along each
  * axis; to first order, hence half as much more. */
-static void spheres_are_off_by_half_a_pixel(void **state) {
+TEST(spheres_are_off_by_half_a_pixel) {
   double most = 0.0;
-  (void)state;
   for (int v = 0; v < VARIANTS; ++v) {
     setup s;
     double n[3];
@@ -199,8 +196,7 @@ static void spheres_are_off_by_half_a_pixel(void **state) {
 
 /* Where no neighbour shows a surface, normals point to the eye; along a line,
  * they do as seen along the other axis. */
-static void pixels_alone_face_the_eye(void **state) {
-  (void)state;
+TEST(pixels_alone_face_the_eye) {
   for (int v = 0; v < VARIANTS; ++v) {
     setup s;
     double want[3];
@@ -228,9 +224,8 @@ static void pixels_alone_face_the_eye(void **state) {
 }
 
 /* Pictures of one pixel, row or column, and with sides of two. */
-static void small_pictures_have_normals(void **state) {
+TEST(small_pictures_have_normals) {
   static const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {2, 7}};
-  (void)state;
   for (int v = 0; v < VARIANTS; ++v)
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
       setup s;
@@ -245,9 +240,8 @@ static void small_pictures_have_normals(void **state) {
 }
 
 /* Any scale of a scene, from the nearest depth to the farthest. */
-static void scale_does_not_matter(void **state) {
+TEST(scale_does_not_matter) {
   const double n[3] = {0.6, 0.0, -0.8};
-  (void)state;
   for (int e = -14; e <= 14; e += 7) {
     setup s;
     hbil_sanitized counts;
@@ -268,9 +262,8 @@ static void scale_does_not_matter(void **state) {
 }
 
 /* Depth along the ray, hardware depth 1/z, and floats with pitches. */
-static void every_form_of_depth_is_read(void **state) {
+TEST(every_form_of_depth_is_read) {
   const double n[3] = {0.36, 0.48, -0.8};
-  (void)state;
   for (int form = 0; form < 3; ++form) {
     setup s;
     /* rays differ from lane to lane; single pixels compile fastest */
@@ -302,10 +295,9 @@ static void every_form_of_depth_is_read(void **state) {
 }
 
 /* Two neighbours in a half have the same depth, or a whole step between. */
-static void depths_of_16_bits_are_rejected(void **state) {
+TEST(depths_of_16_bits_are_rejected) {
   setup s;
   hbil_memory memory;
-  (void)state;
   prepare(&s, 0, WIDTH, HEIGHT);
   s.config.inputs.depth.component = HBIL_FLOAT16;
   assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &memory),
@@ -317,11 +309,10 @@ static void depths_of_16_bits_are_rejected(void **state) {
 
 /* The plan has three planes more, of rows that are multiples of 64 floats. */
 /* Parts of the scratch memory begin where the device lets sub-buffers begin. */
-static void memory_is_counted(void **state) {
+TEST(memory_is_counted) {
   setup s;
   size_t with, without;
   cl_uint bits;
-  (void)state;
   assert_int_equal(clGetDeviceInfo(shared_device.id,
                                    CL_DEVICE_MEM_BASE_ADDR_ALIGN, sizeof bits,
                                    &bits, NULL),
@@ -337,9 +328,8 @@ static void memory_is_counted(void **state) {
   setup_free(&s);
 }
 
-static void given_normals_are_rejected(void **state) {
+TEST(given_normals_are_rejected) {
   setup s;
-  (void)state;
   prepare(&s, 0, WIDTH, HEIGHT);
   setup_start(&s);
   s.frame.normal.buffer = s.frame.depth.buffer;
@@ -355,9 +345,8 @@ static void given_normals_are_rejected(void **state) {
 /* Whole frames: the same as with those normals given.  With packed storage,
  * whose normals are less exact than either, so that the gather takes both for
  * equally flat. */
-static void frames_are_those_of_the_rebuilt_normals(void **state) {
+TEST(frames_are_those_of_the_rebuilt_normals) {
   setup rebuilt, given;
-  (void)state;
   setup_scene(&rebuilt, SCENE_ROOM, WIDTH, HEIGHT, 0);
   setup_all_outputs(&rebuilt);
   rebuilt.config.sampling.storage = HBIL_STORAGE_PACKED;
@@ -387,17 +376,5 @@ static void frames_are_those_of_the_rebuilt_normals(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(planes_are_exact),
-      cmocka_unit_test(edges_bend_no_normals),
-      cmocka_unit_test(spheres_are_off_by_half_a_pixel),
-      cmocka_unit_test(pixels_alone_face_the_eye),
-      cmocka_unit_test(small_pictures_have_normals),
-      cmocka_unit_test(scale_does_not_matter),
-      cmocka_unit_test(every_form_of_depth_is_read),
-      cmocka_unit_test(depths_of_16_bits_are_rejected),
-      cmocka_unit_test(memory_is_counted),
-      cmocka_unit_test(given_normals_are_rejected),
-      cmocka_unit_test(frames_are_those_of_the_rebuilt_normals)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -11,8 +11,7 @@
 static const double no_offset[] = {0, 0};
 
 /* A header in centimetres, with a camera matrix that is scaled by two. */
-static void headers_have_their_own_units(void **state) {
-  (void)state;
+TEST_WITH_ORTHOGRAPHIC_CAMERA(headers_have_their_own_units) {
   dump d = dump_begin(SCENE_ROOM);
   hbil_camera *c = &d.s.camera;
   image_matrices *m = &d.img.matrices;
@@ -42,8 +41,7 @@ static void headers_have_their_own_units(void **state) {
 
 /* Options overrule the file's projection, and a file that is read with the
  * wrong projection has findings. */
-static void options_choose_the_lens(void **state) {
-  (void)state;
+TEST_WITH_ORTHOGRAPHIC_CAMERA(options_choose_the_lens) {
   dump d = dump_begin_plain(SCENE_ROOM);
   const double fx = d.s.camera.fx;
   dump_write(&d);
@@ -65,8 +63,7 @@ static void options_choose_the_lens(void **state) {
   dump_end(&d);
 }
 
-static void one_lens_is_given(void **state) {
-  (void)state;
+TEST(one_lens_is_given) {
   static const option_group group = SOURCE_GROUP;
   const option_command command = {.groups = &group, .group_count = 1};
   char *argv[] = {(char[]){"test"}, (char[]){"--fov=60"},
@@ -92,7 +89,7 @@ static int read_json(const char *path, const char *text, camera_file *out,
   return camera_read(path, out, error);
 }
 
-static void side_cars_state_the_scale_in_two_ways(void **state) {
+TEST(side_cars_state_the_scale_in_two_ways) {
   static const struct {
     const char *text;
     double scale;      /* 0: rejected, */
@@ -126,7 +123,6 @@ static void side_cars_state_the_scale_in_two_ways(void **state) {
        "field projection is wrong"},
   };
   char path[128];
-  (void)state;
   snprintf(path, sizeof path, "%s/camera.json", dump_folder);
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     camera_file camera;
@@ -174,10 +170,9 @@ static void seen_at(const hbil_camera *c, const double p[3], double out[3]) {
  * a round outline of .17 fx pixels, and what stands still has moved from where
  * the last camera sees it.  1e-6: floats of some metres.
  */
-static void scenes_are_what_the_camera_sees(void **state) {
+TEST(scenes_are_what_the_camera_sees) {
   enum { WIDE = 320, HIGH = 180 };
   const double centre[3] = {0.8, 1.2, 0.745 + 0.17}, radius = 0.17;
-  (void)state;
   scene_frame s, before;
   assert_int_equal(scene_render_orthographic(SCENE_ROOM, WIDE, HIGH, 0, 7, &s),
                    0);
@@ -222,12 +217,5 @@ static void scenes_are_what_the_camera_sees(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      WITH_ORTHOGRAPHIC_CAMERA(headers_have_their_own_units),
-      WITH_ORTHOGRAPHIC_CAMERA(options_choose_the_lens),
-      cmocka_unit_test(one_lens_is_given),
-      cmocka_unit_test(side_cars_state_the_scale_in_two_ways),
-      cmocka_unit_test(scenes_are_what_the_camera_sees),
-  };
-  return RUN_WITH_DUMPS(tests);
+  return run_with_dumps();
 }

@@ -33,8 +33,7 @@ static exact_planes reprojected(setup *s) {
 
 /* A step towards a wall, which halves its distance: each old pixel covers four,
  * and none of them is a crack. */
-static void surfaces_that_come_nearer_have_no_cracks(void **state) {
-  (void)state;
+TEST(surfaces_that_come_nearer_have_no_cracks) {
   for (int i = 0; i < WIDTHS; ++i) {
     setup s;
     setup_init(&s, 64, 36);
@@ -83,8 +82,7 @@ static void check_copy(hbil_reprojection reprojection, scene_kind kind,
   setup_free(&s);
 }
 
-static void a_still_camera_copies(void **state) {
-  (void)state;
+TEST(a_still_camera_copies) {
   for (int i = 0; i < WIDTHS; ++i) {
     check_copy(HBIL_REPROJECTION_CAMERA, SCENE_ROOM, widths[i]);
     check_copy(HBIL_REPROJECTION_CAMERA, SCENE_SKY, widths[i]);
@@ -95,10 +93,9 @@ static void a_still_camera_copies(void **state) {
 /* ------------------------------------------------------------------------ */
 /* push/pull                                                                 */
 
-static void one_valid_pixel_fills_everything(void **state) {
+TEST(one_valid_pixel_fills_everything) {
   static const int sizes[][2] = {{1, 1}, {3, 5}, {1, 37}, {640, 360}};
   static const double colour[4] = {0.25, 3.0, 7.5, 1.0};
-  (void)state;
   for (int i = 0; i < 4; ++i) {
     setup s;
     setup_scene(&s, SCENE_ROOM, sizes[i][0], sizes[i][1], 0);
@@ -151,8 +148,7 @@ static void check_padding(int width, int height) {
   setup_free(&s);
 }
 
-static void padding_holds_nothing(void **state) {
-  (void)state;
+TEST(padding_holds_nothing) {
   check_padding(1, 1);
   check_padding(3, 5);
   check_padding(17, 31);
@@ -209,8 +205,7 @@ static void check_even_light(cl_uint slices, bool half) {
   setup_free(&s);
 }
 
-static void even_light_stays_even(void **state) {
-  (void)state;
+TEST(even_light_stays_even) {
   for (int half = 0; half < 2; ++half) {
     check_even_light(2, half);
     check_even_light(1, half);
@@ -231,9 +226,8 @@ static void prepare_room(setup *s, hbil_far_field far) {
   s->config.model.back_facing_fallback = HBIL_FALLBACK_FRAME_MEAN;
 }
 
-static void an_even_environment_sends_pi_ao_l(void **state) {
+TEST(an_even_environment_sends_pi_ao_l) {
   const float colour[3] = {0.5f, 2.0f, 7.0f};
-  (void)state;
   for (int far = HBIL_FAR_CONSTANT; far <= HBIL_FAR_SH; ++far) {
     setup s;
     prepare_room(&s, (hbil_far_field)far);
@@ -275,10 +269,9 @@ static void spoil_near_light(setup *s) {
 }
 
 /* A fault in an earlier pass stays visible: black would hide it. */
-static void near_light_that_is_no_number_stays_none(void **state) {
+TEST(near_light_that_is_no_number_stays_none) {
   static const int lit[] = {EXACT_NEAR_IRRADIANCE, EXACT_INDIRECT,
                             EXACT_BEAUTY};
-  (void)state;
   for (int half = 0; half < 2; ++half) {
     setup s;
     prepare_room(&s, HBIL_FAR_NONE);
@@ -305,13 +298,5 @@ static void near_light_that_is_no_number_stays_none(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(surfaces_that_come_nearer_have_no_cracks),
-      cmocka_unit_test(a_still_camera_copies),
-      cmocka_unit_test(one_valid_pixel_fills_everything),
-      cmocka_unit_test(padding_holds_nothing),
-      cmocka_unit_test(even_light_stays_even),
-      cmocka_unit_test(an_even_environment_sends_pi_ao_l),
-      cmocka_unit_test(near_light_that_is_no_number_stays_none)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

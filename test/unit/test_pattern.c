@@ -25,10 +25,9 @@ static hbil_view_args make_view(int width, int height) {
   return v;
 }
 
-static void cos_and_sin_are_accurate(void **state) {
+TEST(cos_and_sin_are_accurate) {
   double worst = 0.0;
   const int steps = 100000;
-  (void)state;
   for (int i = 0; i < steps; ++i) {
     float v = (float)i / (float)steps, c, s;
     hbil_cos_sin_pi(v, &c, &s);
@@ -68,9 +67,8 @@ static double unevenness(int slices, int gathered, float turn) {
   return worst;
 }
 
-static void directions_of_a_block_are_equally_spaced(void **state) {
+TEST(directions_of_a_block_are_equally_spaced) {
   const int slices[] = {1, 2, 3, 4, 32};
-  (void)state;
   for (size_t i = 0; i < sizeof(slices) / sizeof(*slices); ++i)
     for (int gathered = 4; gathered <= 16; gathered *= 4) {
       /* derived: a few roundings of numbers up to pi */
@@ -80,8 +78,7 @@ static void directions_of_a_block_are_equally_spaced(void **state) {
     }
 }
 
-static void places_are_permutations(void **state) {
-  (void)state;
+TEST(places_are_permutations) {
   for (int gathered = 4; gathered <= 16; gathered *= 4) {
     const int places = hbil_gathered_sites(gathered);
     unsigned directions = 0, shifts = 0;
@@ -95,8 +92,7 @@ static void places_are_permutations(void **state) {
 }
 
 /* The layers of a list are those that are gathered, and each is in it once. */
-static void gathered_layers_are_listed(void **state) {
-  (void)state;
+TEST(gathered_layers_are_listed) {
   for (int gathered = 4; gathered <= 16; gathered *= 4) {
     unsigned listed = 0, asked = 0;
     for (int i = 0; i < gathered; ++i)
@@ -138,11 +134,10 @@ static void check_samples(int width, int height, hbil_pattern_args p) {
     }
 }
 
-static void samples_are_distinct_and_ever_farther(void **state) {
+TEST(samples_are_distinct_and_ever_farther) {
   const int sizes[][2] = {{1, 1}, {17, 31}, {640, 360}};
   const int samples[] = {1, 8, 64};
   const float growths[] = {0.0f, 3.0f, 64.0f};
-  (void)state;
   for (int i = 0; i < 54; ++i) {
     hbil_pattern_args p =
         make_pattern(2, samples[i / 3 % 3], i / 9 % 2 ? 4 : 1, growths[i % 3]);
@@ -153,10 +148,9 @@ static void samples_are_distinct_and_ever_farther(void **state) {
   }
 }
 
-static void the_last_sample_gets_to_the_edge(void **state) {
+TEST(the_last_sample_gets_to_the_edge) {
   hbil_view_args v = make_view(640, 360);
   hbil_pattern_args p = make_pattern(1, 8, 1, 3.0f);
-  (void)state;
   for (int layer = 0; layer < HBIL_LAYERS; ++layer) {
     float ux, uy, size;
     int x, y;
@@ -206,10 +200,9 @@ static void check_extents(float ux, float uy, const hbil_view_args v,
   }
 }
 
-static void steps_overlap_and_slopes_are_told_beside_them(void **state) {
+TEST(steps_overlap_and_slopes_are_told_beside_them) {
   const hbil_view_args v = make_view(16384, 9000);
   const float growth[] = {0.0f, 2.0f};
-  (void)state;
   for (int steps = 1; steps <= 256; steps *= 2)
     for (int i = 0; i < 32; ++i) {
       const hbil_pattern_args p = make_pattern(1, steps, 1, growth[i & 1]);
@@ -218,9 +211,8 @@ static void steps_overlap_and_slopes_are_told_beside_them(void **state) {
     }
 }
 
-static void the_level_is_the_smallest_that_covers(void **state) {
+TEST(the_level_is_the_smallest_that_covers) {
   random_state r = {7};
-  (void)state;
   for (int i = 0; i < 10000; ++i) {
     float reach = (float)(0.1 + 3.0 * random_unit(&r));
     float need = (float)pow(2.0, 8.0 - 24.0 * random_unit(&r));
@@ -234,14 +226,5 @@ static void the_level_is_the_smallest_that_covers(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(cos_and_sin_are_accurate),
-      cmocka_unit_test(directions_of_a_block_are_equally_spaced),
-      cmocka_unit_test(places_are_permutations),
-      cmocka_unit_test(gathered_layers_are_listed),
-      cmocka_unit_test(samples_are_distinct_and_ever_farther),
-      cmocka_unit_test(the_last_sample_gets_to_the_edge),
-      cmocka_unit_test(steps_overlap_and_slopes_are_told_beside_them),
-      cmocka_unit_test(the_level_is_the_smallest_that_covers)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -100,18 +100,16 @@ static void pass_every_stage(size_t depth, int slow) {
     assert_true(seconds[i][slow] >= 500e-6);
 }
 
-static void every_item_passes_every_stage_in_order(void **state) {
-  (void)state;
+TEST(every_item_passes_every_stage_in_order) {
   for (size_t depth = 1; depth <= PIPELINE_DEPTH; depth++)
     for (int slow = 0; slow < PIPELINE_STAGES; slow++)
       pass_every_stage(depth, slow);
 }
 
-static void few_items_are_under_way(void **state) {
+TEST(few_items_are_under_way) {
   watch w = quiet_watch();
   double seconds[ITEMS][PIPELINE_STAGES];
   image_error error;
-  (void)state;
   w.slow[PIPELINE_STAGES - 1] = 500;
   assert_int_equal(run(&w, seconds, &error), 0);
   assert_true(w.most <= PIPELINE_SLOTS);
@@ -120,11 +118,10 @@ static void few_items_are_under_way(void **state) {
   assert_true(w.most > 1);
 }
 
-static void stages_have_threads_of_their_own(void **state) {
+TEST(stages_have_threads_of_their_own) {
   watch w = quiet_watch();
   double seconds[ITEMS][PIPELINE_STAGES];
   image_error error;
-  (void)state;
   assert_int_equal(run(&w, seconds, &error), 0);
   assert_true(pthread_equal(w.threads[1], pthread_self()));
   assert_false(pthread_equal(w.threads[0], w.threads[1]));
@@ -147,9 +144,8 @@ static void fail_at(int stage, size_t item, int slow) {
     assert_int_equal(w.done[s], item);
 }
 
-static void what_is_before_a_failure_is_done_and_nothing_behind(void **state) {
+TEST(what_is_before_a_failure_is_done_and_nothing_behind) {
   static const size_t items[] = {0, 1, 17, ITEMS - 1};
-  (void)state;
   for (size_t i = 0; i < sizeof items / sizeof *items; i++)
     for (int stage = 0; stage < PIPELINE_STAGES; stage++)
       for (int slow = 0; slow < PIPELINE_STAGES; slow++)
@@ -158,8 +154,7 @@ static void what_is_before_a_failure_is_done_and_nothing_behind(void **state) {
 
 /* Items fail in all three stages. The first one of the sequence is reported,
  * even if another fails earlier in time. */
-static void the_first_item_that_fails_is_told(void **state) {
-  (void)state;
+TEST(the_first_item_that_fails_is_told) {
   for (int slow = 0; slow < PIPELINE_STAGES; slow++) {
     watch w = quiet_watch();
     double seconds[ITEMS][PIPELINE_STAGES];
@@ -174,20 +169,11 @@ static void the_first_item_that_fails_is_told(void **state) {
   }
 }
 
-static void nothing_to_do_is_done(void **state) {
+TEST(nothing_to_do_is_done) {
   const pipeline p = {.stages = {first, second, third}, .depth = 1};
-  (void)state;
   assert_int_equal(pipeline_run(&p, NULL), 0);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_item_passes_every_stage_in_order),
-      cmocka_unit_test(few_items_are_under_way),
-      cmocka_unit_test(stages_have_threads_of_their_own),
-      cmocka_unit_test(what_is_before_a_failure_is_done_and_nothing_behind),
-      cmocka_unit_test(the_first_item_that_fails_is_told),
-      cmocka_unit_test(nothing_to_do_is_done),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

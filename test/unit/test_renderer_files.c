@@ -95,9 +95,8 @@ static void assert_light(const dump *d, const reading *r) {
   assert_true(compared > PIXELS);
 }
 
-static void direct_light_is_found(void **state) {
+TEST(direct_light_is_found) {
   static const char *const layers[] = {"root", "img", "both"};
-  (void)state;
   for (int k = 0; k < 3; k++) {
     dump d = mitsuba(SCENE_SKY, &(picture){.layers = layers[k]});
     dump_write(&d);
@@ -116,8 +115,7 @@ static void direct_light_is_found(void **state) {
 }
 
 /* The sky that direct light shows becomes emission, and edges don't glow. */
-static void sky_is_taken_out(void **state) {
-  (void)state;
+TEST(sky_is_taken_out) {
   dump d = mitsuba(SCENE_SKY, &(picture){.sky = 1, .layers = "both"});
   dump_write(&d);
   reading r = dump_read(&d);
@@ -139,8 +137,7 @@ static void sky_is_taken_out(void **state) {
 
 /* Lamps that direct light shows become emission; --map emission= leaves them.
  */
-static void lamps_are_taken_out(void **state) {
-  (void)state;
+TEST(lamps_are_taken_out) {
   for (int none = 0; none < 2; none++) {
     dump d = mitsuba(SCENE_ROOM, &(picture){.lamps = 1, .layers = "both"});
     size_t lamps = 0, found = 0;
@@ -165,8 +162,7 @@ static void lamps_are_taken_out(void **state) {
 }
 
 /* As bright a surface is no lamp if its light isn't that of the others. */
-static void lit_patches_are_no_lamps(void **state) {
-  (void)state;
+TEST(lit_patches_are_no_lamps) {
   dump d = mitsuba(SCENE_ROOM, &(picture){.layers = "both"});
   for (size_t i = 0; i < PIXELS; i++)
     for (size_t c = 0; c < 3 && i / WIDTH > HEIGHT - 14; c++)
@@ -180,8 +176,7 @@ static void lit_patches_are_no_lamps(void **state) {
 }
 
 /* The picture of `path` is warned of. */
-static void finished_pictures_are_named(void **state) {
-  (void)state;
+TEST(finished_pictures_are_named) {
   dump d = mitsuba(SCENE_ROOM, &(picture){.layers = "both", .indirect = 0.1});
   dump_write(&d);
   reading r = dump_read(&d);
@@ -192,11 +187,10 @@ static void finished_pictures_are_named(void **state) {
 }
 
 /* ch00 and so on, as mi.util.write_bitmap() names them. */
-static void loose_channels_are_mapped(void **state) {
+TEST(loose_channels_are_mapped) {
   static const char *const names[] = {
       "R",    "G",    "B",    "dd.T",     "pp.X",     "pp.Y",    "pp.Z",
       "nn.X", "nn.Y", "nn.Z", "albedo.R", "albedo.G", "albedo.B"};
-  (void)state;
   reading r;
   image_error error;
   dump d = mitsuba(SCENE_ROOM, &(picture){.layers = "root"});
@@ -230,8 +224,7 @@ static void loose_channels_are_mapped(void **state) {
 }
 
 /* .T is the distance along the ray, whatever the source and the roles are. */
-static void t_is_ray_depth(void **state) {
-  (void)state;
+TEST(t_is_ray_depth) {
   for (int generic = 0; generic < 2; generic++) {
     dump d = mitsuba(SCENE_ROOM, &(picture){.layers = "root"});
     d.options.source = generic ? DUMP_PLAIN : DUMP_MITSUBA;
@@ -313,8 +306,7 @@ static void drop_camera(const dump *d) {
   unlink(own);
 }
 
-static void outputs_are_found_by_name(void **state) {
-  (void)state;
+TEST(outputs_are_found_by_name) {
   for (int p = 0; p < 3; p++) {
     dump d = luxcore(p);
     use_camera(&d);
@@ -336,8 +328,7 @@ static void outputs_are_found_by_name(void **state) {
 }
 
 /* The frame is the depth; another output as frame names it. */
-static void other_outputs_name_the_depth(void **state) {
-  (void)state;
+TEST(other_outputs_name_the_depth) {
   dump d = luxcore(1);
   reading r;
   image_error error;
@@ -351,16 +342,5 @@ static void other_outputs_name_the_depth(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(direct_light_is_found),
-      cmocka_unit_test(sky_is_taken_out),
-      cmocka_unit_test(lamps_are_taken_out),
-      cmocka_unit_test(lit_patches_are_no_lamps),
-      cmocka_unit_test(finished_pictures_are_named),
-      cmocka_unit_test(loose_channels_are_mapped),
-      cmocka_unit_test(t_is_ray_depth),
-      cmocka_unit_test(outputs_are_found_by_name),
-      cmocka_unit_test(other_outputs_name_the_depth),
-  };
-  return RUN_WITH_DUMPS(tests);
+  return run_with_dumps();
 }

@@ -1,16 +1,10 @@
 /* The n-th smallest of many numbers is the one that sorting finds. */
 #include "dump/selection.h"
+#include "test/support/tests.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <setjmp.h>
-
-#include <cmocka.h>
 
 enum { MOST = 300 };
 
@@ -34,11 +28,10 @@ static void check(const double *values, size_t count) {
 }
 
 /* Random numbers, of which few are different if `kinds` is small. */
-static void random_numbers(void **state) {
+TEST(random_numbers) {
   static const unsigned kinds[] = {1, 2, 3, 10, 100000};
   unsigned seed = 1;
   double values[MOST];
-  (void)state;
   for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
     for (size_t count = 1; count <= 40; count++) {
       for (size_t i = 0; i < count; i++) {
@@ -50,9 +43,8 @@ static void random_numbers(void **state) {
     }
 }
 
-static void ordered_numbers(void **state) {
+TEST(ordered_numbers) {
   double up[MOST], down[MOST], ridge[MOST];
-  (void)state;
   for (int i = 0; i < MOST; i++) {
     up[i] = i;
     down[i] = MOST - i;
@@ -64,9 +56,5 @@ static void ordered_numbers(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(random_numbers),
-      cmocka_unit_test(ordered_numbers),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -27,8 +27,7 @@ static void finds(dump *d, const char *text) {
   finds_last(d, 1, text);
 }
 
-static void dumps_without_mistakes_have_no_findings(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(dumps_without_mistakes_have_no_findings) {
   for (int scene = 0; scene < SCENE_KINDS; scene++) {
     const uint32_t sizes[][2] = {{33, 17}, {64, 48}, {160, 90}, {480, 270}};
     for (int k = 0; k < 4; k++) {
@@ -50,8 +49,7 @@ static void dumps_without_mistakes_have_no_findings(void **state) {
   }
 }
 
-static void finds_ray_for_planar_depth(void **state) {
-  (void)state;
+TEST(finds_ray_for_planar_depth) {
   for (int ray = 0; ray < 2; ray++) {
     dump d = dump_begin_plain(SCENE_ROOM);
     d.options.depth = ray ? DEPTH_PLANAR : DEPTH_RAY;
@@ -62,8 +60,7 @@ static void finds_ray_for_planar_depth(void **state) {
   }
 }
 
-static void finds_it_by_positions_too(void **state) {
-  (void)state;
+TEST(finds_it_by_positions_too) {
   dump d = dump_begin_plain(SCENE_ROOM);
   dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);
   float *z = dump_plane(&d, "depth.Z");
@@ -77,8 +74,7 @@ static void finds_it_by_positions_too(void **state) {
   dump_end(&d);
 }
 
-static void finds_normals_of_another_space(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(finds_normals_of_another_space) {
   dump d = dump_begin(SCENE_ROOM);
   dump_add_depth(&d, "depth", "Z", 1, 0);
   dump_add_vectors(&d, "normal", letters_xyz, d.s.normal, AXES_OPENGL, 0);
@@ -96,8 +92,7 @@ static void finds_normals_of_another_space(void **state) {
   finds(&d, "--normals world");
 }
 
-static void finds_encoded_normals(void **state) {
-  (void)state;
+TEST(finds_encoded_normals) {
   dump d = dump_begin_plain(SCENE_ROOM);
   for (size_t p = 1; p < 4; p++)
     for (size_t i = 0; i < PIXELS; i++)
@@ -107,8 +102,7 @@ static void finds_encoded_normals(void **state) {
 
 /* The camera is turned by five degrees about the vertical, or stands
  * elsewhere. */
-static void finds_the_camera_of_another_frame(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(finds_the_camera_of_another_frame) {
   dump d = dump_begin_plain(SCENE_ROOM);
   double *m = d.s.camera.world_from_view;
   const double c = cos(5 * PI / 180), s = sin(5 * PI / 180);
@@ -124,8 +118,7 @@ static void finds_the_camera_of_another_frame(void **state) {
   finds(&d, "the camera of another frame");
 }
 
-static void finds_other_units(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(finds_other_units) {
   dump d = dump_begin_plain(SCENE_ROOM);
   dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);
   for (size_t p = 0; p < d.img.count; p++)
@@ -141,8 +134,7 @@ static void finds_other_units(void **state) {
   finds(&d, "100 times as far");
 }
 
-static void finds_a_radius_of_other_units(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(finds_a_radius_of_other_units) {
   dump d = dump_begin_plain(SCENE_ROOM);
   dump_write(&d);
   reading r = dump_read(&d);
@@ -170,8 +162,7 @@ static void finds_a_radius_of_other_units(void **state) {
   dump_end(&d);
 }
 
-static void finds_gamma_encoded_albedo(void **state) {
-  (void)state;
+TEST(finds_gamma_encoded_albedo) {
   for (int answer = 0; answer < 2; answer++) {
     dump d = dump_begin_plain(SCENE_ROOM);
     /* of many colours, as a textured picture has */
@@ -201,8 +192,7 @@ static void finds_gamma_encoded_albedo(void **state) {
 }
 
 /* Recognized by its name, or by light at sky pixels. */
-static void finds_a_finished_picture_as_direct_light(void **state) {
-  (void)state;
+TEST(finds_a_finished_picture_as_direct_light) {
   dump d = dump_begin_plain(SCENE_ROOM);
   dump_add_colour(&d, "Combined", letters_rgb, d.s.direct, NULL, 1);
   d.options.map = "direct=Combined";
@@ -217,10 +207,9 @@ static void finds_a_finished_picture_as_direct_light(void **state) {
 }
 
 /* The name of a view layer stands before all of its passes. */
-static void a_view_layer_called_beauty_is_no_picture(void **state) {
+TEST(a_view_layer_called_beauty_is_no_picture) {
   static const char *const layers[] = {"beauty", "Beauty Pass.001",
                                        "RGBA combined"};
-  (void)state;
   for (size_t i = 0; i < sizeof layers / sizeof *layers; i++) {
     char name[64];
     dump d = dump_begin(SCENE_ROOM);
@@ -241,8 +230,7 @@ static void a_view_layer_called_beauty_is_no_picture(void **state) {
   }
 }
 
-static void finds_device_depth(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(finds_device_depth) {
   dump d = dump_begin_plain(SCENE_ROOM);
   float *z = dump_plane(&d, "depth.Z");
   for (size_t i = 0; i < PIXELS; i++)
@@ -266,7 +254,7 @@ static void finds_device_depth(void **state) {
 }
 
 /* The message says what is impossible, and what would help. */
-static void unusable_input_is_rejected(void **state) {
+TEST(unusable_input_is_rejected) {
   static const struct {
     const char *map;
     const char *text;
@@ -279,7 +267,6 @@ static void unusable_input_is_rejected(void **state) {
   };
   reading r;
   image_error error;
-  (void)state;
   dump d = dump_begin_plain(SCENE_ROOM);
   dump_write(&d);
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -308,8 +295,7 @@ static void unusable_input_is_rejected(void **state) {
   dump_end(&d);
 }
 
-static void finds_a_picture_of_another_size(void **state) {
-  (void)state;
+TEST_WITH_ORTHOGRAPHIC_CAMERA(finds_a_picture_of_another_size) {
   dump d = dump_begin_plain(SCENE_ROOM);
   d.options.orthographic = (float)(4 * WIDTH / d.s.camera.fx);
   finds(&d, "--orthographic");
@@ -317,9 +303,8 @@ static void finds_a_picture_of_another_size(void **state) {
 
 /* With an orthographic camera, no check may depend on how far away the camera
  * stands. */
-static void distant_cameras_have_no_findings(void **state) {
+TEST_WITH_ORTHOGRAPHIC_CAMERA(distant_cameras_have_no_findings) {
   enum { AWAY = 1000 };
-  (void)state;
   for (int elsewhere = 0; elsewhere < 2; elsewhere++) {
     dump d = dump_begin_plain(SCENE_ROOM);
     double *m = d.s.camera.world_from_view;
@@ -345,11 +330,10 @@ static void distant_cameras_have_no_findings(void **state) {
 
 /* Slats of eight rows that begin in the camera's plane. They are straight in
  * depth, but not in inverse depth. */
-static void steep_slats_have_no_findings(void **state) {
+TEST_WITH_ORTHOGRAPHIC_CAMERA(steep_slats_have_no_findings) {
   enum { SLAT = 8 };
   const double slope = 2; /* depth along the picture */
   const double length = sqrt(slope * slope + 1);
-  (void)state;
   dump d = dump_begin(SCENE_ROOM);
   dump_add_plane(&d, "depth", "Z");
   for (int c = 0; c < 3; c++) {
@@ -370,23 +354,5 @@ static void steep_slats_have_no_findings(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      WITH_BOTH_CAMERAS(dumps_without_mistakes_have_no_findings),
-      cmocka_unit_test(finds_ray_for_planar_depth),
-      cmocka_unit_test(finds_it_by_positions_too),
-      WITH_BOTH_CAMERAS(finds_normals_of_another_space),
-      cmocka_unit_test(finds_encoded_normals),
-      WITH_BOTH_CAMERAS(finds_the_camera_of_another_frame),
-      WITH_BOTH_CAMERAS(finds_other_units),
-      WITH_BOTH_CAMERAS(finds_a_radius_of_other_units),
-      cmocka_unit_test(finds_gamma_encoded_albedo),
-      cmocka_unit_test(finds_a_finished_picture_as_direct_light),
-      cmocka_unit_test(a_view_layer_called_beauty_is_no_picture),
-      WITH_BOTH_CAMERAS(finds_device_depth),
-      cmocka_unit_test(unusable_input_is_rejected),
-      WITH_ORTHOGRAPHIC_CAMERA(finds_a_picture_of_another_size),
-      WITH_ORTHOGRAPHIC_CAMERA(distant_cameras_have_no_findings),
-      WITH_ORTHOGRAPHIC_CAMERA(steep_slats_have_no_findings),
-  };
-  return RUN_WITH_DUMPS(tests);
+  return run_with_dumps();
 }

@@ -66,8 +66,7 @@ static void check_static_frames(setup *s, const exact_planes *want) {
 }
 
 /* A first frame searches all slices, and so have later ones all of them. */
-static void a_camera_at_rest_has_all_slices(void **state) {
-  (void)state;
+TEST(a_camera_at_rest_has_all_slices) {
   for (cl_uint frames = 2; frames <= 4; ++frames) {
     setup all, s;
     start(&all, 1, 12);
@@ -409,40 +408,34 @@ static void check_moving(hbil_reprojection reprojection,
     setup_free(&s[i]);
 }
 
-static void a_moving_camera_is_followed(void **state) {
-  (void)state;
+TEST(a_moving_camera_is_followed) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0, 3,
                HBIL_RESOLUTION_FULL);
 }
 
-static void single_pixels_follow_a_moving_camera(void **state) {
-  (void)state;
+TEST(single_pixels_follow_a_moving_camera) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 1, 2,
                HBIL_RESOLUTION_FULL);
 }
 
-static void half_resolution_follows_a_moving_camera(void **state) {
-  (void)state;
+TEST(half_resolution_follows_a_moving_camera) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0, 2,
                HBIL_RESOLUTION_HALF);
 }
 
-static void motion_vectors_are_followed(void **state) {
-  (void)state;
+TEST(motion_vectors_are_followed) {
   check_moving(HBIL_REPROJECTION_MOTION, HBIL_PROJECTION_PERSPECTIVE, 0, 2,
                HBIL_RESOLUTION_FULL);
 }
 
-static void an_orthographic_camera_is_followed(void **state) {
-  (void)state;
+TEST(an_orthographic_camera_is_followed) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_ORTHOGRAPHIC, 0, 4,
                HBIL_RESOLUTION_FULL);
 }
 
 /* --- how many frames share them --- */
 
-static void two_frames_share_where_they_can(void **state) {
-  (void)state;
+TEST(two_frames_share_where_they_can) {
   assert_int_equal(hbil_config_slice_frames(NULL), 0);
   hbil_config c;
   hbil_config_init(&c);
@@ -535,9 +528,8 @@ static void check_falling(cl_uint width, hbil_projection projection,
   lit_free(&l);
 }
 
-static void light_of_the_last_slices_falls(void **state) {
+TEST(light_of_the_last_slices_falls) {
   static const cl_uint widths[] = {1, 4, 8, 16};
-  (void)state;
   for (int i = 0; i < 4; ++i)
     check_falling(widths[i],
                   i == 2 ? HBIL_PROJECTION_ORTHOGRAPHIC
@@ -547,8 +539,7 @@ static void light_of_the_last_slices_falls(void **state) {
 
 /* A gather that shares slices follows them by motion vectors; another one asks
  * for none. */
-static void only_shared_slices_need_motion(void **state) {
-  (void)state;
+TEST(only_shared_slices_need_motion) {
   for (cl_uint frames = 1; frames <= 2; ++frames) {
     setup s;
     start(&s, frames, 2);
@@ -569,11 +560,10 @@ static void only_shared_slices_need_motion(void **state) {
 
 /* --- what can't be --- */
 
-static void numbers_that_do_not_fit_are_rejected(void **state) {
+TEST(numbers_that_do_not_fit_are_rejected) {
   hbil_memory memory;
   hbil_buffer none;
   setup s;
-  (void)state;
   start(&s, 5, 5);
   assert_int_equal(hbil_plan_memory(s.device->hbil, &s.config, &memory),
                    HBIL_INVALID_CONFIG);
@@ -594,16 +584,5 @@ static void numbers_that_do_not_fit_are_rejected(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_camera_at_rest_has_all_slices),
-      cmocka_unit_test(a_moving_camera_is_followed),
-      cmocka_unit_test(single_pixels_follow_a_moving_camera),
-      cmocka_unit_test(half_resolution_follows_a_moving_camera),
-      cmocka_unit_test(motion_vectors_are_followed),
-      cmocka_unit_test(an_orthographic_camera_is_followed),
-      cmocka_unit_test(two_frames_share_where_they_can),
-      cmocka_unit_test(light_of_the_last_slices_falls),
-      cmocka_unit_test(only_shared_slices_need_motion),
-      cmocka_unit_test(numbers_that_do_not_fit_are_rejected)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

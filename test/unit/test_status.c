@@ -16,8 +16,7 @@ static void start(setup *s) {
   setup_start(s);
 }
 
-static void every_status_has_its_own_sentence(void **state) {
-  (void)state;
+TEST(every_status_has_its_own_sentence) {
   for (int i = HBIL_SUCCESS; i <= HBIL_OPENCL_ERROR; ++i) {
     assert_non_null(hbil_status_string((hbil_status)i));
     assert_true(strlen(hbil_status_string((hbil_status)i)) > 3);
@@ -28,8 +27,7 @@ static void every_status_has_its_own_sentence(void **state) {
   assert_non_null(hbil_status_string((hbil_status)12345));
 }
 
-static void every_pass_has_a_name(void **state) {
-  (void)state;
+TEST(every_pass_has_a_name) {
   assert_string_equal(hbil_pass_name(HBIL_PASS_REPROJECT), "reproject");
   assert_string_equal(hbil_pass_name(HBIL_PASS_PUSH_PULL), "push_pull");
   assert_string_equal(hbil_pass_name(HBIL_PASS_SPLIT), "split");
@@ -39,14 +37,12 @@ static void every_pass_has_a_name(void **state) {
   assert_null(hbil_pass_name(HBIL_PASS_COUNT));
 }
 
-static void version_is_the_headers(void **state) {
-  (void)state;
+TEST(version_is_the_headers) {
   assert_string_equal(hbil_version(), "0.1.0");
 }
 
-static void defaults_are_those_of_the_header(void **state) {
+TEST(defaults_are_those_of_the_header) {
   hbil_config c;
-  (void)state;
   memset(&c, 0x5a, sizeof(c));
   hbil_config_init(&c);
   assert_int_equal(c.struct_size, sizeof(c));
@@ -78,9 +74,8 @@ static void defaults_are_those_of_the_header(void **state) {
   assert_true(c.sampling.storage == HBIL_STORAGE_PACKED);
 }
 
-static void models_set_what_the_header_says(void **state) {
+TEST(models_set_what_the_header_says) {
   hbil_config paper, again;
-  (void)state;
   hbil_config_init(&paper);
   hbil_config_init(&again);
   assert_int_equal(hbil_model_set(&paper.model, HBIL_MODEL_PAPER),
@@ -187,9 +182,8 @@ static void assert_rejected(hbil_status got, hbil_status want,
     fail_msg("%s is not named in the message \"%s\"", field, message);
 }
 
-static void bad_configurations_are_rejected_by_name(void **state) {
+TEST(bad_configurations_are_rejected_by_name) {
   setup s;
-  (void)state;
   setup_init(&s, WIDTH, HEIGHT);
   setup_all_outputs(&s);
   for (int i = 0;; ++i) {
@@ -216,7 +210,7 @@ static void assert_bad(const hbil_config *config, const char *field) {
 }
 
 /* A mode reads no radiance, or has no bent cone. */
-static void what_a_mode_lacks_is_rejected(void **state) {
+TEST(what_a_mode_lacks_is_rejected) {
   static const struct {
     hbil_mode mode;
     plane_id output; /* PLANE_FIRST_OUTPUT..; else the far field */
@@ -228,7 +222,6 @@ static void what_a_mode_lacks_is_rejected(void **state) {
       {HBIL_MODE_HBAO, PLANE_BENT, 0},   {HBIL_MODE_HBAO, PLANE_CONE, 0},
       {HBIL_MODE_HBAO, PLANE_ERROR, 0},  {HBIL_MODE_HBAO, 0, HBIL_FAR_FRAME},
       {HBIL_MODE_HBAO, 0, HBIL_FAR_SH}};
-  (void)state;
   for (size_t i = 0; i < sizeof lacks / sizeof *lacks; ++i) {
     setup s;
     setup_init(&s, WIDTH, HEIGHT);
@@ -246,8 +239,7 @@ static void what_a_mode_lacks_is_rejected(void **state) {
 
 /* Near light has the bounces that ao_bounces stands in for.  What needs no near
  * light may have them in any mode. */
-static void bounces_of_far_light_need_a_plan_without_near_light(void **state) {
-  (void)state;
+TEST(bounces_of_far_light_need_a_plan_without_near_light) {
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id) {
     const bool near_light = id == PLANE_NEAR || id == PLANE_INDIRECT ||
                             id == PLANE_BEAUTY || id == PLANE_GLOSSY;
@@ -270,8 +262,7 @@ static void bounces_of_far_light_need_a_plan_without_near_light(void **state) {
   }
 }
 
-static void presets_set_the_sampling_alone(void **state) {
-  (void)state;
+TEST(presets_set_the_sampling_alone) {
   for (int q = 0; q <= HBIL_QUALITY_REFERENCE; ++q) {
     setup s;
     hbil_config before;
@@ -306,9 +297,8 @@ static size_t bytes_at(setup *s, hbil_resolution resolution) {
 }
 
 /* The tables of steps differ in size, so the memory tells what a plan does. */
-static void large_pictures_are_gathered_at_half_resolution(void **state) {
+TEST(large_pictures_are_gathered_at_half_resolution) {
   const int heights[] = {499, 500};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     setup s;
     setup_init(&s, 800, heights[i]);
@@ -328,9 +318,8 @@ static void large_pictures_are_gathered_at_half_resolution(void **state) {
   assert_int_equal(hbil_config_resolution(NULL), HBIL_RESOLUTION_AUTO);
 }
 
-static void unknown_presets_are_rejected(void **state) {
+TEST(unknown_presets_are_rejected) {
   hbil_config c;
-  (void)state;
   hbil_config_init(&c);
   assert_int_equal(hbil_sampling_set(&c.sampling, (hbil_quality)4),
                    HBIL_INVALID_ARGUMENT);
@@ -376,9 +365,8 @@ static const char *spoil_frame(setup *s, int which) {
   return NULL;
 }
 
-static void bad_frames_are_rejected_by_name(void **state) {
+TEST(bad_frames_are_rejected_by_name) {
   setup s;
-  (void)state;
   start(&s);
   for (int i = 0;; ++i) {
     hbil_frame good = s.frame;
@@ -396,10 +384,9 @@ static void bad_frames_are_rejected_by_name(void **state) {
   setup_free(&s);
 }
 
-static void rejected_frames_write_nothing(void **state) {
+TEST(rejected_frames_write_nothing) {
   setup s;
   exact_planes out;
-  (void)state;
   start(&s);
   s.frame.camera.fx = -1.0;
   assert_int_equal(
@@ -416,7 +403,7 @@ static void rejected_frames_write_nothing(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Null and malformed arguments                                              */
 
-static void null_arguments_are_rejected(void **state) {
+TEST(null_arguments_are_rejected) {
   setup s;
   hbil_plan *plan = NULL;
   hbil_context *context = NULL;
@@ -424,7 +411,6 @@ static void null_arguments_are_rejected(void **state) {
   hbil_memory memory;
   double times[HBIL_PASS_COUNT];
   float sh[9][3];
-  (void)state;
   start(&s);
   assert_int_equal(hbil_context_create(NULL, shared_device.id, &context),
                    HBIL_INVALID_ARGUMENT);
@@ -464,9 +450,8 @@ static enqueue_function *const passes[] = {
     hbil_enqueue_frame, enqueue_reproject, enqueue_push_pull, enqueue_split,
     enqueue_gather,     enqueue_recompose, enqueue_composite};
 
-static void every_pass_checks_its_arguments(void **state) {
+TEST(every_pass_checks_its_arguments) {
   setup s;
-  (void)state;
   start(&s);
   for (size_t i = 0; i < sizeof(passes) / sizeof(*passes); ++i) {
     assert_int_equal(
@@ -484,14 +469,13 @@ static void every_pass_checks_its_arguments(void **state) {
   setup_free(&s);
 }
 
-static void passes_are_a_range(void **state) {
+TEST(passes_are_a_range) {
   static const int wrong[][2] = {{HBIL_PASS_GATHER, HBIL_PASS_SPLIT},
                                  {HBIL_PASS_SPLIT, HBIL_PASS_IMPORT},
                                  {HBIL_PASS_EXPORT, HBIL_PASS_EXPORT},
                                  {-1, HBIL_PASS_SPLIT},
                                  {HBIL_PASS_SPLIT, HBIL_PASS_COUNT}};
   setup s;
-  (void)state;
   start(&s);
   for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
     assert_int_equal(hbil_enqueue_passes(s.plan, shared_device.queue, &s.frame,
@@ -505,13 +489,12 @@ static void passes_are_a_range(void **state) {
 /* ------------------------------------------------------------------------ */
 /* Memory                                                                    */
 
-static void announced_memory_covers_the_buffers(void **state) {
+TEST(announced_memory_covers_the_buffers) {
   setup s;
   cl_mem seen[5];
   size_t sum = 0;
   hbil_memory memory;
   int count = 0;
-  (void)state;
   start(&s);
   assert_success(&s, hbil_plan_memory(shared_device.hbil, &s.config, &memory));
   for (int stage = HBIL_STAGE_HISTORY; stage <= HBIL_STAGE_RESOLVED; ++stage) {
@@ -535,23 +518,5 @@ static void announced_memory_covers_the_buffers(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_status_has_its_own_sentence),
-      cmocka_unit_test(every_pass_has_a_name),
-      cmocka_unit_test(version_is_the_headers),
-      cmocka_unit_test(defaults_are_those_of_the_header),
-      cmocka_unit_test(models_set_what_the_header_says),
-      cmocka_unit_test(bad_configurations_are_rejected_by_name),
-      cmocka_unit_test(what_a_mode_lacks_is_rejected),
-      cmocka_unit_test(bounces_of_far_light_need_a_plan_without_near_light),
-      cmocka_unit_test(presets_set_the_sampling_alone),
-      cmocka_unit_test(large_pictures_are_gathered_at_half_resolution),
-      cmocka_unit_test(unknown_presets_are_rejected),
-      cmocka_unit_test(bad_frames_are_rejected_by_name),
-      cmocka_unit_test(rejected_frames_write_nothing),
-      cmocka_unit_test(null_arguments_are_rejected),
-      cmocka_unit_test(every_pass_checks_its_arguments),
-      cmocka_unit_test(passes_are_a_range),
-      cmocka_unit_test(announced_memory_covers_the_buffers)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

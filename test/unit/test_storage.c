@@ -94,10 +94,9 @@ static void all_directions(setup *s) {
                      : (float)(random_unit(&r) - 0.5);
 }
 
-static void every_direction_survives(void **state) {
+TEST(every_direction_survives) {
   exact_planes split = split_in(HBIL_STORAGE_FLOAT32, all_directions, 8);
   int behind = 0;
-  (void)state;
   for (int i = 0; i < 4; ++i)
     check_split(all_directions, widths[i]);
   for (int i = 0; i < WIDTH * HEIGHT; ++i)
@@ -108,9 +107,8 @@ static void every_direction_survives(void **state) {
 }
 
 /* The test's own mapping loses no more than the kernels may. */
-static void the_octahedral_map_loses_half_a_step(void **state) {
+TEST(the_octahedral_map_loses_half_a_step) {
   random_state r = {5};
-  (void)state;
   for (int i = 0; i < 20000; ++i) {
     double n[3], back[3], off = 0.0;
     for (int c = 0; c < 3; ++c)
@@ -144,8 +142,7 @@ static void any_light(setup *s) {
   }
 }
 
-static void light_of_any_size_survives(void **state) {
-  (void)state;
+TEST(light_of_any_size_survives) {
   for (int i = 0; i < 4; ++i)
     check_split(any_light, widths[i]);
 }
@@ -158,9 +155,8 @@ static void hardly_any_light(setup *s) {
       s->input[EXACT_EMISSION + c][i] = ldexpf((float)(i % 8), -140 - i % 9);
 }
 
-static void denormal_light_becomes_zero(void **state) {
+TEST(denormal_light_becomes_zero) {
   exact_planes got = split_in(HBIL_STORAGE_PACKED, hardly_any_light, 8);
-  (void)state;
   check_at_most("denormals", largest_value(&got, HBIL_SPLIT_RED, 3), 0x1p-126);
   exact_planes_free(&got);
 }
@@ -169,8 +165,7 @@ static void denormal_light_becomes_zero(void **state) {
 /* gather                                                                    */
 
 /* SPLIT has radiance only for E_near; GATHERED has AO, E_near, bent normals. */
-static void only_needed_words_are_stored(void **state) {
-  (void)state;
+TEST(only_needed_words_are_stored) {
   for (int outputs = 1; outputs < 8; ++outputs) {
     const bool near_irradiance = outputs & 1, bent = outputs & 2;
     setup s;
@@ -191,11 +186,5 @@ static void only_needed_words_are_stored(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_direction_survives),
-      cmocka_unit_test(the_octahedral_map_loses_half_a_step),
-      cmocka_unit_test(light_of_any_size_survives),
-      cmocka_unit_test(denormal_light_becomes_zero),
-      cmocka_unit_test(only_needed_words_are_stored)};
-  return RUN_WITH_DEVICE(tests);
+  return run_with_device();
 }

@@ -86,9 +86,8 @@ static void fill(first *f, float channels[3][PIXELS], bool surfaces,
 /* ------------------------------------------------------------------------ */
 /* Emission                                                                  */
 
-static void lamps_in_direct_light_are_not_gathered(void **state) {
+TEST(lamps_in_direct_light_are_not_gathered) {
   const float factors[] = {1.0f, 3.0f};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     first *f = frame_of(SCENE_ROOM);
     scale(f->direct, factors[i]);
@@ -100,8 +99,7 @@ static void lamps_in_direct_light_are_not_gathered(void **state) {
 }
 
 /* Direct light that is too weak to contain the lamps', or zero, or missing. */
-static void lamps_that_direct_light_lacks_are_gathered(void **state) {
-  (void)state;
+TEST(lamps_that_direct_light_lacks_are_gathered) {
   for (int i = 0; i < 3; ++i) {
     first *f = frame_of(SCENE_ROOM);
     scale(f->direct, i == 0 ? 0.1f : 0.0f);
@@ -116,8 +114,7 @@ static void lamps_that_direct_light_lacks_are_gathered(void **state) {
 }
 
 /* Where everything emits, emitters tell. */
-static void lamps_all_over_are_understood(void **state) {
-  (void)state;
+TEST(lamps_all_over_are_understood) {
   for (int i = 0; i < 2; ++i) {
     first *f = frame_of(SCENE_ROOM);
     fill(f, f->emission, true, 1.0f);
@@ -129,8 +126,7 @@ static void lamps_all_over_are_understood(void **state) {
   }
 }
 
-static void without_lamps_nothing_is_gathered(void **state) {
-  (void)state;
+TEST(without_lamps_nothing_is_gathered) {
   for (int i = 0; i < 3; ++i) {
     first *f = frame_of(i ? SCENE_SKY : SCENE_ROOM);
     scale(f->emission, 0.0f);
@@ -145,9 +141,8 @@ static void without_lamps_nothing_is_gathered(void **state) {
   }
 }
 
-static void missing_normals_are_taken_from_depth(void **state) {
+TEST(missing_normals_are_taken_from_depth) {
   const float dimmed[] = {1.0f, 1e-3f};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     first *f = frame_of(SCENE_ROOM);
     scale(f->direct, dimmed[i]);
@@ -204,13 +199,12 @@ static void check_share(first *f, hbil_place place, double share,
 
 /* Light in every shadow is in the open, black shadows are not, and a few are
  * still in the open. */
-static void light_in_shadows_tells_a_hidden_sky(void **state) {
+TEST(light_in_shadows_tells_a_hidden_sky) {
   /* of 100 squares, black ones */
   const struct {
     int black;
     double share;
   } cases[] = {{0, 0.9}, {4, 0.9}, {7, 0.45}, {10, 0.0}, {50, 0.0}};
-  (void)state;
   for (int i = 0; i < 5; ++i) {
     first *f = open_place();
     for (int p = 0; p < PIXELS; ++p) {
@@ -227,9 +221,8 @@ static void light_in_shadows_tells_a_hidden_sky(void **state) {
 }
 
 /* Without light at all, every shadow is black. */
-static void a_place_without_light_is_dark(void **state) {
+TEST(a_place_without_light_is_dark) {
   first *f = open_place();
-  (void)state;
   scale(f->direct, 0.0f);
   suggest(f);
   check_share(f, HBIL_PLACE_DARK, 0.0, 0.0);
@@ -237,8 +230,7 @@ static void a_place_without_light_is_dark(void **state) {
 }
 
 /* 16 rows of surfaces are looked at, so shares of rows are right to 1/16. */
-static void ground_is_in_the_open(void **state) {
-  (void)state;
+TEST(ground_is_in_the_open) {
   for (int i = 0; i < 3; ++i) {
     const int rows[] = {15, 50, 70};
     first *f = open_place();
@@ -251,9 +243,8 @@ static void ground_is_in_the_open(void **state) {
   }
 }
 
-static void a_ceiling_encloses(void **state) {
+TEST(a_ceiling_encloses) {
   first *f = open_place();
-  (void)state;
   lean(f, 0, 10, 0.0f, 1.0f, 0.0f);
   suggest(f);
   check_share(f, HBIL_PLACE_ENCLOSED, 0.0, 0.0);
@@ -262,8 +253,7 @@ static void a_ceiling_encloses(void **state) {
 
 /* Two walls that face each other are a room; two that face apart, as the
  * outside of a house has them, are not. */
-static void walls_that_face_each_other_enclose(void **state) {
-  (void)state;
+TEST(walls_that_face_each_other_enclose) {
   for (int apart = 0; apart < 2; ++apart) {
     first *f = open_place();
     for (int i = 0; i < PIXELS / 2; ++i) {
@@ -281,13 +271,12 @@ static void walls_that_face_each_other_enclose(void **state) {
 /* Up is an axis of the world: seen by a camera that pitches by 40 degrees, and
  * turned by 30, ground is ground, and a wall that leans in the picture is none.
  */
-static void up_is_an_axis_of_the_world(void **state) {
+TEST(up_is_an_axis_of_the_world) {
   const double a = 40.0 * 3.14159265358979 / 180.0, b = a * 0.75;
   /* right, down and ahead, with z up */
   const double rows[3][3] = {{cos(b), -sin(a) * sin(b), cos(a) * sin(b)},
                              {-sin(b), -sin(a) * cos(b), cos(a) * cos(b)},
                              {0.0, -cos(a), -sin(a)}};
-  (void)state;
   for (int wall = 0; wall < 2; ++wall) {
     first *f = open_place();
     f->config.inputs.normal_space = HBIL_SPACE_WORLD;
@@ -306,8 +295,7 @@ static void up_is_an_axis_of_the_world(void **state) {
 }
 
 /* What lies behind the surfaces lies beside the picture, too. */
-static void nothing_behind_is_nothing_around(void **state) {
-  (void)state;
+TEST(nothing_behind_is_nothing_around) {
   for (int i = 0; i < 2; ++i) {
     first *f = open_place();
     int empty = 0;
@@ -324,9 +312,8 @@ static void nothing_behind_is_nothing_around(void **state) {
 /* Several pictures                                                          */
 
 /* A ceiling counts in whatever frame it is, and ground as its mean. */
-static void each_picture_of_a_place_counts(void **state) {
+TEST(each_picture_of_a_place_counts) {
   first *f = open_place();
-  (void)state;
   suggest(f);
   add(f);
   check_share(f, HBIL_PLACE_OPEN, 0.9, 1e-7);
@@ -341,10 +328,9 @@ static void each_picture_of_a_place_counts(void **state) {
 
 /* A sky, or lamps, that one of the frames shows are known in all, and pictures
  * may have other sizes. */
-static void what_one_picture_shows_is_known(void **state) {
+TEST(what_one_picture_shows_is_known) {
   first *plain = open_place(), *f = frame_of(SCENE_SKY);
   first *room = frame_of(SCENE_ROOM);
-  (void)state;
   fill(f, f->emission, true, 0.0f);
   fill(f, f->emission, false, 4.0f);
   fill(f, f->direct, true, 6.0f);
@@ -431,9 +417,8 @@ static first *valley(double share) {
 
 /* The decision is at half of the lamps' light. Taking 512 of the lamp's
  * patches and every third receiver is right to a tenth. */
-static void parallel_rays_see_patches_of_one_size(void **state) {
+TEST(parallel_rays_see_patches_of_one_size) {
   const double shares[] = {0.45, 0.55};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     first *f = valley(shares[i]);
     suggest(f);
@@ -483,18 +468,15 @@ static void check_under(float sky, float direct, hbil_source found,
   free(f);
 }
 
-static void a_sky_in_direct_light_is_told_to_the_estimate(void **state) {
-  (void)state;
+TEST(a_sky_in_direct_light_is_told_to_the_estimate) {
   check_under(4.0f, 6.0f, HBIL_SOURCE_IN_DIRECT, HBIL_FAR_FRAME);
 }
 
-static void a_sky_that_direct_light_lacks_is_far_light(void **state) {
-  (void)state;
+TEST(a_sky_that_direct_light_lacks_is_far_light) {
   check_under(4.0f, 0.1f, HBIL_SOURCE_NOT_IN_DIRECT, HBIL_FAR_CONSTANT);
 }
 
-static void an_unlit_sky_says_nothing(void **state) {
-  (void)state;
+TEST(an_unlit_sky_says_nothing) {
   check_under(0.0f, 6.0f, HBIL_SOURCE_NOT_SEEN, HBIL_FAR_FRAME);
 }
 
@@ -520,11 +502,10 @@ static double turning_point(first *f) {
 
 /* Radiance with its albedo tells what irradiance tells, also where surfaces are
  * white because there is no albedo. */
-static void radiance_tells_the_same(void **state) {
+TEST(radiance_tells_the_same) {
   static float albedo[3][PIXELS];
   first *f = frame_of(SCENE_ROOM);
   const double turns = turning_point(f);
-  (void)state;
   f->config.inputs.direct_kind = HBIL_DIRECT_RADIANCE;
   check_at_most("white", fabs(turning_point(f) * PI / turns - 1.0), 1e-4);
   point_to(&f->planes.albedo, albedo);
@@ -539,13 +520,12 @@ static void radiance_tells_the_same(void **state) {
 
 /* Interleaved planes with gaps, whose depths are distances from the eye, mean
  * the same as planar ones. */
-static void layout_and_kind_of_depth_change_nothing(void **state) {
+TEST(layout_and_kind_of_depth_change_nothing) {
   enum { STRIDE = 4, PITCH = STRIDE * WIDTH + 3 };
   static float packed[3][HEIGHT * PITCH];
   first *f = frame_of(SCENE_ROOM);
   const hbil_camera *camera = &f->frame.camera;
   const double turns = turning_point(f);
-  (void)state;
   for (int i = 0; i < PIXELS; ++i) {
     const int x = i % WIDTH, y = i / WIDTH, at = y * PITCH + x * STRIDE;
     const double right = (x + 0.5 - camera->cx) / camera->fx;
@@ -584,10 +564,9 @@ static void layout_and_kind_of_depth_change_nothing(void **state) {
   free(f);
 }
 
-static void other_modes_look_at_nothing(void **state) {
+TEST(other_modes_look_at_nothing) {
   const hbil_mode modes[] = {HBIL_MODE_GTAO, HBIL_MODE_HBAO};
   const hbil_host_planes none = {0};
-  (void)state;
   for (int i = 0; i < 2; ++i) {
     hbil_config config;
     hbil_frame frame;
@@ -647,10 +626,9 @@ static hbil_status damage(first *f, int what) {
   }
 }
 
-static void what_cannot_be_read_is_rejected(void **state) {
+TEST(what_cannot_be_read_is_rejected) {
   first *good = frame_of(SCENE_ROOM), *bad = malloc(sizeof *bad);
   hbil_status status = HBIL_INVALID_ARGUMENT;
-  (void)state;
   assert_non_null(bad);
   for (int i = 0; status != HBIL_SUCCESS; ++i) {
     *bad = *good;
@@ -679,28 +657,5 @@ static void what_cannot_be_read_is_rejected(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(lamps_in_direct_light_are_not_gathered),
-      cmocka_unit_test(lamps_that_direct_light_lacks_are_gathered),
-      cmocka_unit_test(lamps_all_over_are_understood),
-      cmocka_unit_test(without_lamps_nothing_is_gathered),
-      cmocka_unit_test(light_in_shadows_tells_a_hidden_sky),
-      cmocka_unit_test(a_place_without_light_is_dark),
-      cmocka_unit_test(ground_is_in_the_open),
-      cmocka_unit_test(a_ceiling_encloses),
-      cmocka_unit_test(walls_that_face_each_other_enclose),
-      cmocka_unit_test(up_is_an_axis_of_the_world),
-      cmocka_unit_test(nothing_behind_is_nothing_around),
-      cmocka_unit_test(each_picture_of_a_place_counts),
-      cmocka_unit_test(what_one_picture_shows_is_known),
-      cmocka_unit_test(missing_normals_are_taken_from_depth),
-      cmocka_unit_test(parallel_rays_see_patches_of_one_size),
-      cmocka_unit_test(a_sky_in_direct_light_is_told_to_the_estimate),
-      cmocka_unit_test(a_sky_that_direct_light_lacks_is_far_light),
-      cmocka_unit_test(an_unlit_sky_says_nothing),
-      cmocka_unit_test(radiance_tells_the_same),
-      cmocka_unit_test(layout_and_kind_of_depth_change_nothing),
-      cmocka_unit_test(other_modes_look_at_nothing),
-      cmocka_unit_test(what_cannot_be_read_is_rejected)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -80,8 +80,7 @@ static void scatter(float *plane, size_t far) {
   free(from);
 }
 
-static void sound_frames(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(sound_frames) {
   for (int scene = 0; scene < SCENE_KINDS; scene++) {
     dump d = begin((scene_kind)scene);
     dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);
@@ -97,8 +96,7 @@ static void sound_frames(void **state) {
   }
 }
 
-static void means_over_edges(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(means_over_edges) {
   for (int scene = 0; scene < SCENE_KINDS; scene++) {
     dump d = begin((scene_kind)scene);
     filter(&d);
@@ -113,9 +111,8 @@ static void means_over_edges(void **state) {
 }
 
 /* Of a larger picture every second row and column is measured. */
-static void large_pictures(void **state) {
+TEST(large_pictures) {
   size_t edges[2];
-  (void)state;
   for (unsigned size = 1; size <= 2; size++) {
     dump d = begin_sized(SCENE_ROOM, 256 * size, 144 * size + 1);
     filter(&d);
@@ -133,8 +130,7 @@ static void large_pictures(void **state) {
 
 /* Checks look at every other row of such a picture, but a surface in another
  * row is one. */
-static void a_single_row_is_seen(void **state) {
-  (void)state;
+TEST(a_single_row_is_seen) {
   for (size_t row = 0; row <= 2; row++) {
     dump d = begin_sized(SCENE_ROOM, 512, 289);
     float *depth = dump_plane(&d, "depth.Z");
@@ -156,8 +152,7 @@ static void a_single_row_is_seen(void **state) {
 }
 
 /* Without normals, depth alone tells it. */
-static void means_without_normals(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(means_without_normals) {
   for (int spoilt = 0; spoilt < 2; spoilt++) {
     dump d = dump_begin_sized(SCENE_ROOM, ACROSS, DOWN, 0);
     dump_add_depth(&d, "depth", "Z", 1, 0);
@@ -175,8 +170,7 @@ static void means_without_normals(void **state) {
   }
 }
 
-static void scattered_depths(void **state) {
-  (void)state;
+TEST_WITH_BOTH_CAMERAS(scattered_depths) {
   for (int scene = 0; scene < SCENE_KINDS; scene++) {
     dump d = begin((scene_kind)scene);
     scatter(dump_plane(&d, "depth.Z"), 2);
@@ -190,8 +184,7 @@ static void scattered_depths(void **state) {
 }
 
 /* Rounding to half floats is no scatter. */
-static void halves(void **state) {
-  (void)state;
+TEST(halves) {
   dump d = begin(SCENE_ROOM);
   float *depth = dump_plane(&d, "depth.Z");
   for (size_t i = 0; i < (size_t)ACROSS * DOWN; i++) {
@@ -209,9 +202,8 @@ static void halves(void **state) {
 
 /* Positions are those of pixels to the left, as if the camera had turned while
  * they were sampled. */
-static void blurred_positions(void **state) {
+TEST(blurred_positions) {
   static const size_t shifts[] = {1, 2};
-  (void)state;
   for (size_t k = 0; k < 2; k++) {
     dump d = begin(SCENE_ROOM);
     dump_add_vectors(&d, "position", letters_xyz, d.s.position, AXES_WORLD, 1);
@@ -236,15 +228,5 @@ static void blurred_positions(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      WITH_BOTH_CAMERAS(sound_frames),
-      WITH_BOTH_CAMERAS(means_over_edges),
-      WITH_BOTH_CAMERAS(means_without_normals),
-      WITH_BOTH_CAMERAS(scattered_depths),
-      cmocka_unit_test(large_pictures),
-      cmocka_unit_test(a_single_row_is_seen),
-      cmocka_unit_test(halves),
-      cmocka_unit_test(blurred_positions),
-  };
-  return RUN_WITH_DUMPS(tests);
+  return run_with_dumps();
 }

@@ -8,14 +8,11 @@
 #include "image/temporary_name.h"
 #include "image/temporary_sweep.h"
 #include "test/support/folder.h"
+#include "test/support/tests.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -24,8 +21,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 /* ------------------------------------------------------------------------ */
 /* Calls that are replaced                                                   */
@@ -149,9 +144,8 @@ static temporary open_file(const char *path, const char *text) {
 /* Jobs side by side                                                         */
 
 /* A process has one id, as have two in different containers. */
-static void jobs_with_one_process_id_have_files_of_their_own(void **state) {
+TEST_WITH(jobs_with_one_process_id_have_files_of_their_own, begin, end) {
   const char *path = path_in("frame.exr");
-  (void)state;
   temporary a = open_file(path, "the first job's");
   temporary b = open_file(path, "the other's");
   assert_string_not_equal(a.name, b.name);
@@ -163,10 +157,9 @@ static void jobs_with_one_process_id_have_files_of_their_own(void **state) {
 }
 
 /* Not even if all numbers are guessed. */
-static void links_and_files_of_the_name_are_not_opened(void **state) {
+TEST_WITH(links_and_files_of_the_name_are_not_opened, begin, end) {
   const char *victim = path_in("victim");
   const uint64_t numbers[] = {17, 18};
-  (void)state;
   write_plain(victim, "precious");
   char *name = temporary_name_new(path_in("frame.exr"));
   assert_non_null(name);
@@ -188,9 +181,8 @@ static void links_and_files_of_the_name_are_not_opened(void **state) {
   free(name);
 }
 
-static void names_of_255_bytes_work(void **state) {
+TEST_WITH(names_of_255_bytes_work, begin, end) {
   char name[256];
-  (void)state;
   memset(name, 'w', sizeof name - 1);
   name[255] = '\0';
   const char *path = path_in(name);
@@ -201,10 +193,9 @@ static void names_of_255_bytes_work(void **state) {
 
 /* A file that a sweep has found before it was locked, and removed, isn't used.
  */
-static void files_without_a_name_are_not_used(void **state) {
+TEST_WITH(files_without_a_name_are_not_used, begin, end) {
   const char *path = path_in("frame.exr");
   char *name = temporary_name_new(path);
-  (void)state;
   assert_non_null(name);
   drawn[0] = 17;
   temporary_name_draw(name);
@@ -236,9 +227,8 @@ static void check_one_wins(const char *how) {
   assert_int_equal(unlink(path), 0);
 }
 
-static void one_of_two_jobs_gets_a_name(void **state) {
+TEST_WITH(one_of_two_jobs_gets_a_name, begin, end) {
   static const int errors[] = {EINVAL, ENOSYS, EPERM, EOPNOTSUPP};
-  (void)state;
   check_one_wins("rename");
   for (size_t i = 0; i < sizeof errors / sizeof *errors; ++i) {
     no_renameat2 = errors[i];
@@ -250,9 +240,8 @@ static void one_of_two_jobs_gets_a_name(void **state) {
 }
 
 /* NFS may repeat a call whose answer got lost. */
-static void a_link_whose_answer_got_lost_counts(void **state) {
+TEST_WITH(a_link_whose_answer_got_lost_counts, begin, end) {
   const char *path = path_in("frame.exr");
-  (void)state;
   no_renameat2 = EINVAL;
   answer_gets_lost = 1;
   temporary t = open_file(path, "pixels");
@@ -268,10 +257,9 @@ static void write_bytes(const void *bytes, FILE *out) {
 }
 
 /* A limit on the size of files stands for a full disk. */
-static void what_cannot_be_written_leaves_the_old_file(void **state) {
+TEST_WITH(what_cannot_be_written_leaves_the_old_file, begin, end) {
   static const int sizes[] = {1100, 100000};
   struct rlimit all, little;
-  (void)state;
   write_plain(path_in("frame.exr"), "old");
   assert_int_equal(getrlimit(RLIMIT_FSIZE, &all), 0);
   little = all;
@@ -294,10 +282,9 @@ static void what_cannot_be_written_leaves_the_old_file(void **state) {
   }
 }
 
-static void what_cannot_be_renamed_is_removed(void **state) {
+TEST_WITH(what_cannot_be_renamed_is_removed, begin, end) {
   const char *path = path_in("frame.exr");
   image_error error;
-  (void)state;
   assert_int_equal(mkdir(path, 0777), 0);
   for (int existing = 0; existing < 2; ++existing) {
     temporary t = open_file(path, "pixels");
@@ -330,17 +317,15 @@ static char *killed_job(void) {
   return strdup(name);
 }
 
-static void files_of_killed_jobs_are_swept(void **state) {
-  (void)state;
+TEST_WITH(files_of_killed_jobs_are_swept, begin, end) {
   char *left = killed_job();
   temporary_sweep(folder);
   assert_false(is_there(left));
   free(left);
 }
 
-static void files_of_living_jobs_are_not_swept(void **state) {
+TEST_WITH(files_of_living_jobs_are_not_swept, begin, end) {
   const char *path = path_in("frame.exr");
-  (void)state;
   temporary t = open_file(path, "pixels");
   temporary_sweep(folder);
   assert_true(is_there(t.name));
@@ -355,9 +340,8 @@ static void make_old(const char *path) {
 }
 
 /* Locks of other machines may not show.  Here there may be locks. */
-static void files_of_other_machines_are_swept_when_old(void **state) {
+TEST_WITH(files_of_other_machines_are_swept_when_old, begin, end) {
   const char *path = path_in(".hbil-00000000-0123456789abcdef.tmp");
-  (void)state;
   write_plain(path, "pixels");
   temporary_sweep(folder);
   assert_true(is_there(path));
@@ -371,9 +355,8 @@ static void files_of_other_machines_are_swept_when_old(void **state) {
   assert_false(is_there(path));
 }
 
-static void age_decides_where_locks_do_not_work(void **state) {
+TEST_WITH(age_decides_where_locks_do_not_work, begin, end) {
   const char *path = path_in("frame.exr");
-  (void)state;
   no_locks = 1;
   char *left = killed_job();
   temporary t = open_file(path, "pixels");
@@ -387,7 +370,7 @@ static void age_decides_where_locks_do_not_work(void **state) {
   free(left);
 }
 
-static void nothing_else_is_swept(void **state) {
+TEST_WITH(nothing_else_is_swept, begin, end) {
   static const char *const others[] = {"frame.exr",
                                        "frame.exr.tmp4711",
                                        ".hbil-light.frame",
@@ -395,7 +378,6 @@ static void nothing_else_is_swept(void **state) {
                                        ".hbil-d791a068-0123456789abcdeg.tmp",
                                        ".hbil-.tmp"};
   const int count = sizeof others / sizeof *others;
-  (void)state;
   for (int i = 0; i < count; ++i) {
     write_plain(path_in(others[i]), "precious");
     make_old(path_in(others[i]));
@@ -420,22 +402,6 @@ static void nothing_else_is_swept(void **state) {
   free(name);
 }
 
-#define TEST(function) cmocka_unit_test_setup_teardown(function, begin, end)
-
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      TEST(jobs_with_one_process_id_have_files_of_their_own),
-      TEST(links_and_files_of_the_name_are_not_opened),
-      TEST(names_of_255_bytes_work),
-      TEST(files_without_a_name_are_not_used),
-      TEST(one_of_two_jobs_gets_a_name),
-      TEST(a_link_whose_answer_got_lost_counts),
-      TEST(what_cannot_be_written_leaves_the_old_file),
-      TEST(what_cannot_be_renamed_is_removed),
-      TEST(files_of_killed_jobs_are_swept),
-      TEST(files_of_living_jobs_are_not_swept),
-      TEST(files_of_other_machines_are_swept_when_old),
-      TEST(age_decides_where_locks_do_not_work),
-      TEST(nothing_else_is_swept)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -56,8 +56,7 @@ static void check_mean(gbuffer *g) {
   gbuffer_free(g);
 }
 
-static void only_written_surfaces_count(void **state) {
-  (void)state;
+TEST(only_written_surfaces_count) {
   gbuffer g = depths_of(1.0f, 0.0f);
   check_mean(&g);
   g = depths_of(1.0f, NAN);
@@ -71,22 +70,20 @@ static void only_written_surfaces_count(void **state) {
   check_mean(&g);
 }
 
-static void without_the_layer_nothing_is_measured(void **state) {
+TEST(without_the_layer_nothing_is_measured) {
   timing_row row = {.surfaces = 7, .unknown = 0.5};
   gbuffer g = depths_of(1.0f, 0.0f);
-  (void)state;
   unknown_measure(&cropped, &g, NULL, &row);
   assert_true(row.surfaces == 0 && row.unknown == 0.0);
   gbuffer_free(&g);
 }
 
 /* Each surface has the same weight; frames that weren't computed have none. */
-static void frames_weigh_as_much_as_they_show(void **state) {
+TEST(frames_weigh_as_much_as_they_show) {
   const timing_row rows[] = {{.surfaces = 100, .unknown = 0.25},
                              {.surfaces = 0, .unknown = 0.0},
                              {.surfaces = 300, .unknown = 0.75}};
   size_t surfaces;
-  (void)state;
   assert_true(unknown_mean(rows, 3, &surfaces) == 0.625);
   assert_int_equal(surfaces, 400);
   assert_true(unknown_mean(rows + 1, 1, &surfaces) == 0.0);
@@ -94,10 +91,9 @@ static void frames_weigh_as_much_as_they_show(void **state) {
 }
 
 /* Which settings leave light to a guess, and which layers show it. */
-static void the_layer_is_asked_for_where_light_is_a_guess(void **state) {
+TEST(the_layer_is_asked_for_where_light_is_a_guess) {
   const unsigned ao = 1u << LAYER_AO, indirect = 1u << LAYER_INDIRECT;
   hbil_config c;
-  (void)state;
   hbil_config_init(&c);
   assert_false(layers_show_guesses(indirect, &c));
   c.model.far_field = HBIL_FAR_FRAME;
@@ -114,10 +110,5 @@ static void the_layer_is_asked_for_where_light_is_a_guess(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(only_written_surfaces_count),
-      cmocka_unit_test(without_the_layer_nothing_is_measured),
-      cmocka_unit_test(frames_weigh_as_much_as_they_show),
-      cmocka_unit_test(the_layer_is_asked_for_where_light_is_a_guess)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
+  return tests_run();
 }

@@ -44,8 +44,7 @@ static void assert_rejected(const dump *d, const char *text) {
     fail_msg("%s", error.text);
 }
 
-static void the_richest_view_layer_is_read(void **state) {
-  (void)state;
+TEST(the_richest_view_layer_is_read) {
   dump d = dump_begin(SCENE_SKY);
   add_other(&d, "BG.only", "");
   add_picture(&d, "Foreground Layer", "");
@@ -62,8 +61,7 @@ static void the_richest_view_layer_is_read(void **state) {
   dump_end(&d);
 }
 
-static void another_view_layer_can_be_chosen(void **state) {
-  (void)state;
+TEST(another_view_layer_can_be_chosen) {
   dump d = dump_begin(SCENE_SKY);
   add_other(&d, "A", "");
   add_picture(&d, "A.b", "");
@@ -95,8 +93,7 @@ static void another_view_layer_can_be_chosen(void **state) {
   dump_end(&d);
 }
 
-static void a_single_view_layer_needs_no_word(void **state) {
-  (void)state;
+TEST(a_single_view_layer_needs_no_word) {
   dump d = dump_begin(SCENE_ROOM);
   add_picture(&d, "View Layer", "");
   dump_write(&d);
@@ -109,8 +106,7 @@ static void a_single_view_layer_needs_no_word(void **state) {
 }
 
 /* Each eye has passes with its name, as Blender writes them. */
-static void eyes_are_read(void **state) {
-  (void)state;
+TEST(eyes_are_read) {
   dump d = dump_begin(SCENE_SKY);
   strcpy(d.img.views[d.img.view_count++], "left");
   strcpy(d.img.views[d.img.view_count++], "right");
@@ -134,8 +130,7 @@ static void eyes_are_read(void **state) {
 }
 
 /* OpenEXR's own rule: the default view's channels don't have its name. */
-static void the_default_view_has_plain_names(void **state) {
-  (void)state;
+TEST(the_default_view_has_plain_names) {
   dump d = dump_begin(SCENE_SKY);
   strcpy(d.img.views[d.img.view_count++], "main");
   strcpy(d.img.views[d.img.view_count++], "second");
@@ -155,8 +150,7 @@ static void the_default_view_has_plain_names(void **state) {
 }
 
 /* FRAME.right.json is the right eye's camera, FRAME.json that of others. */
-static void an_eye_has_its_own_camera(void **state) {
-  (void)state;
+TEST(an_eye_has_its_own_camera) {
   char all[160], own[160];
   dump d = dump_begin(SCENE_ROOM);
   strcpy(d.img.views[d.img.view_count++], "left");
@@ -182,8 +176,7 @@ static void an_eye_has_its_own_camera(void **state) {
 }
 
 /* Blender doesn't say in its files from where a border was cropped. */
-static void a_cropped_border_is_rejected_with_the_fix(void **state) {
-  (void)state;
+TEST(a_cropped_border_is_rejected_with_the_fix) {
   image_error error;
   char json[160];
   dump d = dump_begin(SCENE_ROOM);
@@ -211,14 +204,5 @@ static void a_cropped_border_is_rejected_with_the_fix(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_richest_view_layer_is_read),
-      cmocka_unit_test(another_view_layer_can_be_chosen),
-      cmocka_unit_test(a_single_view_layer_needs_no_word),
-      cmocka_unit_test(eyes_are_read),
-      cmocka_unit_test(the_default_view_has_plain_names),
-      cmocka_unit_test(an_eye_has_its_own_camera),
-      cmocka_unit_test(a_cropped_border_is_rejected_with_the_fix),
-  };
-  return RUN_WITH_DUMPS(tests);
+  return run_with_dumps();
 }
