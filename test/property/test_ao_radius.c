@@ -130,8 +130,7 @@ TEST(it_counts_within_ao_radius) {
       exact_planes got = run(&nearer);
       check_occlusion(&got, &want, kinds[i].packed ? &packed : &floats);
       assert_true(difference(&got, &want, PLANE_NEAR) > 1e-3);
-      exact_planes_free(&got);
-      exact_planes_free(&want);
+      planes_free(&got, &want);
       setup_free(&same);
       setup_free(&nearer);
     }
@@ -157,8 +156,7 @@ TEST(light_does_not_depend_on_it) {
       assert_true(
           *exact_at(&got, EXACT_ERROR_ESTIMATE + 1, p % WIDTH, p / WIDTH) ==
           *exact_at(&want, EXACT_ERROR_ESTIMATE + 1, p % WIDTH, p / WIDTH));
-    exact_planes_free(&got);
-    exact_planes_free(&want);
+    planes_free(&got, &want);
     setup_free(&alone);
     setup_free(&both);
   }
@@ -322,8 +320,7 @@ TEST(a_cache_changes_nothing) {
     exact_planes got = run(&l.s), want = run(&without);
     check_occlusion(&got, &want,
                     storage == HBIL_STORAGE_PACKED ? &packed : &floats);
-    exact_planes_free(&got);
-    exact_planes_free(&want);
+    planes_free(&got, &want);
     setup_free(&without);
     lit_free(&l);
   }
@@ -347,13 +344,8 @@ TEST(near_light_has_fewer_steps) {
     /* measured: 4.6e-7, as kernels without a cache are other ones; .033 with a
      * fifth more steps */
     check_at_most("near light", difference(&got, &want, PLANE_NEAR), 2e-6);
-    exact_planes_free(&got);
-    exact_planes_free(&want);
+    planes_free(&got, &want);
     setup_free(&without);
     lit_free(&l);
   }
-}
-
-int main(void) {
-  return run_with_device();
 }

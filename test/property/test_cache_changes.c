@@ -241,7 +241,3 @@ TEST(noise_is_averaged) {
   const found before = cache_of_rooms(rooms, 1);
   check_at_most("light", fabs(got.far_light / before.far_light - 1.08), 5e-3);
 }
-
-int main(void) {
-  return run_with_device();
-}

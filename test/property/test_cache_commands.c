@@ -268,7 +268,3 @@ TEST(commands_create_no_buffers) {
   assert_int_equal(shim_created().count, 0);
   room_stop(&t);
 }
-
-int main(void) {
-  return run_with_device();
-}

@@ -180,8 +180,7 @@ TEST(a_closed_furnace_has_its_light) {
     check_at_most("furnace, greatest", got.greatest, 1.0 + 1e-5);
     check_at_most("furnace, lack of the mean", 1.0 - got.mean, 0.065);
     check_at_most("furnace, lack of the least", 1.0 - got.least, 0.3);
-    exact_planes_free(&out);
-    exact_planes_free(&without);
+    planes_free(&out, &without);
     setup_free(&s);
   }
   hbil_cache_destroy(cache);
@@ -243,9 +242,7 @@ TEST(a_lit_wall_behind_the_camera_lights_the_frame) {
   check_at_most("one view: bias", fabs(one.bias), 0.08);
   check_at_most("six views: bias", fabs(six.bias), 0.08);
   check_at_most("six views: RMSE over the mean", six.rmse, 0.4);
-  exact_planes_free(&without);
-  exact_planes_free(&some);
-  exact_planes_free(&all);
+  planes_free(&without, &some, &all);
   room_views_free(views, WALLS);
   hbil_cache_destroy(cache);
   setup_free(&s);
@@ -279,8 +276,7 @@ TEST(bounces_come_to_their_sum) {
   exact_planes last = room_outputs(&s);
   check_at_most("200 bounces, off the sum", fabs(mean_of(&last) / 4.0 - 1.0),
                 0.08);
-  exact_planes_free(&first);
-  exact_planes_free(&last);
+  planes_free(&first, &last);
   room_views_free(views, WALLS);
   hbil_cache_destroy(s.frame.cache);
   setup_free(&s);
@@ -360,12 +356,7 @@ TEST(a_frame_gains_nothing_from_itself) {
   check_at_most("with the cache: bias", cached.bias, 0.01);
   check_at_most("what the cache adds, over the error without it",
                 (mean_of(&with) / mean_of(&without) - 1.0) / -plain.bias, 1.0);
-  exact_planes_free(&without);
-  exact_planes_free(&with);
+  planes_free(&without, &with);
   hbil_cache_destroy(s.frame.cache);
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

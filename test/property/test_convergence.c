@@ -192,8 +192,7 @@ TEST(equal_weights_are_wrong_in_the_corners) {
     tell(fov[i], &e, d);
     /* measured: see HBIL_TEST_VERBOSE; more than ten times what is allowed */
     assert_true(d.ao > 10.0 * AO_LIMIT && d.light > 10.0 * LIGHT_LIMIT);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
+    planes_free(&want, &got);
   }
 }
 
@@ -208,9 +207,7 @@ static void measure_extrapolation(cl_uint samples, deviation *before,
   *after = deviation_of(&more, &want, WHOLE);
   tell(60.0, &e, *before);
   tell(60.0, &e, *after);
-  exact_planes_free(&want);
-  exact_planes_free(&plain);
-  exact_planes_free(&more);
+  planes_free(&want, &plain, &more);
 }
 
 /* With few samples, those that stand for their steps are nearer to the exact
@@ -234,11 +231,6 @@ TEST(steps_of_a_pixel_change_nothing) {
     exact_planes plain = kernels(60.0, thickness[i], 4, samples[i], 1, false);
     exact_planes more = kernels(60.0, thickness[i], 4, samples[i], 1, true);
     assert_int_equal(count_different(&plain, &more), 0);
-    exact_planes_free(&plain);
-    exact_planes_free(&more);
+    planes_free(&plain, &more);
   }
-}
-
-int main(void) {
-  return run_with_device();
 }

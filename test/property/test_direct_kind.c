@@ -82,8 +82,7 @@ static void check(hbil_feedback feedback) {
                   largest_error(&got[i], &want[i], 0, want[i].count) /
                       largest_value(&want[i], EXACT_BEAUTY, 3),
                   1e-5);
-    exact_planes_free(&want[i]);
-    exact_planes_free(&got[i]);
+    planes_free(&want[i], &got[i]);
   }
 }
 
@@ -108,8 +107,7 @@ TEST(without_albedo_surfaces_are_white) {
   }
   check_at_most("indirect", relative_rmse(&out[1], &out[0], EXACT_INDIRECT, 3),
                 1e-5);
-  exact_planes_free(&out[0]);
-  exact_planes_free(&out[1]);
+  planes_free(&out[0], &out[1]);
 }
 
 TEST(an_unknown_kind_is_rejected) {
@@ -120,8 +118,4 @@ TEST(an_unknown_kind_is_rejected) {
   room_rejected(hbil_plan_create(s.device->hbil, &s.config, &plan),
                 HBIL_INVALID_CONFIG, "inputs.direct_kind");
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

@@ -128,8 +128,7 @@ static void check_same(const outcome *o, step *t) {
   if (count_different(&got, &want))
     fail_msg("call %d, %s: other bits than without the failure", o->nth,
              o->failed ? o->failed : "none");
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
 }
 
 /* After a failed frame, the same frame again gives the light and the history
@@ -329,16 +328,13 @@ TEST(frames_of_images_can_be_repeated) {
 
 /* The same if composite was enqueued by itself, and is enqueued again. */
 TEST(composite_to_images_can_be_repeated) {
-  static enqueue_function *const passes[] = {enqueue_reproject,
-                                             enqueue_push_pull, enqueue_split,
-                                             enqueue_gather, enqueue_recompose};
   outcome o = {0, "", HBIL_SUCCESS};
   image_step t;
   start_images(&t);
   for (int n = 1; o.failed; ++n) {
     load_images(&t, n % 2 ? 3 : 0);
     assert_success(&t.s, image_frame(&t, false, hbil_enqueue_frame));
-    for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i)
+    for (int i = 0; i < PASSES - 1; ++i)
       assert_success(&t.s, image_frame(&t, true, passes[i]));
     o = ATTEMPT(n, faults[0], image_frame(&t, true, enqueue_composite));
     check_outcome(shared_device.hbil, &o, 0);
@@ -448,8 +444,4 @@ TEST(a_failed_build_is_told) {
     remove_text(folder, files[i]);
   assert_int_equal(rmdir(folder), 0);
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

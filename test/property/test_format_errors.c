@@ -187,7 +187,3 @@ TEST(errors_are_those_of_the_rounding) {
   exact_planes_free(&want);
   setup_free(&floats);
 }
-
-int main(void) {
-  return run_with_device();
-}

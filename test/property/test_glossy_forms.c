@@ -17,11 +17,6 @@ static void ask_for_glossy(setup *s, float roughness) {
   s->config.model.roughness = roughness;
 }
 
-static exact_planes one_frame(setup *s) {
-  setup_run(s, hbil_enqueue_frame);
-  return outputs_read(s);
-}
-
 /* ------------------------------------------------------------------------ */
 /* Even light                                                                */
 
@@ -54,8 +49,7 @@ static void check_furnace(int i) {
     setup_fill(&s, EXACT_ALBEDO + c, 0.0f);
     setup_fill(&s, EXACT_EMISSION + c, 1.0f);
   }
-  setup_start(&s);
-  exact_planes out = one_frame(&s);
+  exact_planes out = first_outputs(&s);
   /* Derived: light and the known part are the same sums.  Measured: 3e-7 */
   check_at_most("furnace", off_one(&s, &out), 1e-5);
   exact_planes_free(&out);
@@ -79,8 +73,7 @@ TEST(a_bare_plane_shows_its_environment) {
     s.config.model.far_field = HBIL_FAR_CONSTANT;
     for (int c = 0; c < 3; ++c)
       s.frame.environment[0][c] = 1.0f;
-    setup_start(&s);
-    exact_planes out = one_frame(&s);
+    exact_planes out = first_outputs(&s);
     /* nothing is known of the lobe */
     assert_true(off_one(&s, &out) == 0.0);
     exact_planes_free(&out);
@@ -160,8 +153,7 @@ static void check_wall(float roughness) {
   hbil_sampling_set(&s.config.sampling, HBIL_QUALITY_REFERENCE);
   s.config.model.facing_fade[0] = s.config.model.facing_fade[1] = -1.0f;
   s.config.history.reprojection = HBIL_REPROJECTION_NONE;
-  setup_start(&s);
-  exact_planes out = one_frame(&s);
+  exact_planes out = first_outputs(&s);
   double worst = 0.0, least = 1.0, most = 0.0;
   for (int i = 0; i < 12; ++i) {
     const int x = 20 + 18 * (i % 4), y = 43 + 5 * (i / 4);
@@ -205,8 +197,7 @@ TEST(twice_the_light_is_twice_as_glossy) {
     setup s;
     prepare_room(&s, i ? 4.0f : 1.0f);
     ask_for_glossy(&s, 0.5f);
-    setup_start(&s);
-    out[i] = one_frame(&s);
+    out[i] = first_outputs(&s);
     setup_free(&s);
   }
   assert_true(largest_value(&out[0], EXACT_GLOSSY, 3) > 0.1);
@@ -215,8 +206,7 @@ TEST(twice_the_light_is_twice_as_glossy) {
   /* derived: the estimate's means of roots of light are not exact */
   check_at_most("linear", largest_error(&out[1], &out[0], EXACT_GLOSSY, 3),
                 2e-6 * largest_value(&out[1], EXACT_GLOSSY, 3));
-  exact_planes_free(&out[0]);
-  exact_planes_free(&out[1]);
+  planes_free(&out[0], &out[1]);
 }
 
 TEST(other_outputs_keep_their_bits) {
@@ -234,14 +224,13 @@ TEST(other_outputs_keep_their_bits) {
       setup_start(&s);
       setup_run(&s, hbil_enqueue_frame);
       s.frame.static_frame = CL_TRUE;
-      out[i] = one_frame(&s);
+      out[i] = frame_outputs(&s);
       setup_free(&s);
     }
     for (int p = 0; p < EXACT_GLOSSY; ++p)
       assert_true(largest_error(&out[1], &out[0], p, 1) == 0.0);
     assert_true(largest_value(&out[1], EXACT_GLOSSY, 3) > 0.1);
-    exact_planes_free(&out[0]);
-    exact_planes_free(&out[1]);
+    planes_free(&out[0], &out[1]);
   }
 }
 
@@ -258,7 +247,7 @@ TEST(glossy_light_is_finite) {
         s.input[p][i] = spoiled[(i + p) % 6];
     setup_start(&s);
     for (int run = 0; run < 2; ++run) {
-      exact_planes out = one_frame(&s);
+      exact_planes out = frame_outputs(&s);
       for (int i = 0; i < 3 * WIDTH * HEIGHT; ++i)
         assert_true(out.values[EXACT_GLOSSY * WIDTH * HEIGHT + i] >= 0.0 &&
                     out.values[EXACT_GLOSSY * WIDTH * HEIGHT + i] < 1e31);
@@ -266,8 +255,4 @@ TEST(glossy_light_is_finite) {
     }
     setup_free(&s);
   }
-}
-
-int main(void) {
-  return run_with_device();
 }

@@ -1,10 +1,11 @@
 /*
  * Invariances: a mirrored picture has mirrored light, a picture turned by a
- * quarter has turned light, and the world's axes and its unit of length don't
- * matter. Light is linear: it scales with its sources, and the light of two
- * lamps is the sum of each lamp's. The kernels' samples are not symmetric. So
- * mirrored and turned pictures are compared by the exact integral, and by
- * kernels with so many slices that the pattern's noise is small.
+ * quarter has turned light, and the world's axes don't matter (test_stability:
+ * nor does its unit of length). Light is linear: it scales with its sources,
+ * and the light of two lamps is the sum of each lamp's. The kernels' samples
+ * are not symmetric. So mirrored and turned pictures are compared by the exact
+ * integral, and by kernels with so many slices that the pattern's noise is
+ * small.
  */
 #include "test/support/random.h"
 #include "test/support/stages.h"
@@ -101,9 +102,7 @@ static void check_symmetry(const symmetry *m, bool exact, double limit) {
                 2.0 * limit);
   /* and the symmetry does change the picture */
   assert_true(relative_rmse(&got, &before, HBIL_LIGHT_AO, 1) > 0.05);
-  exact_planes_free(&before);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
+  planes_free(&before, &got, &want);
   setup_free(&plain);
   setup_free(&changed);
 }
@@ -167,8 +166,7 @@ TEST(the_world_s_axes_do_not_matter) {
   check_at_most("E_near", relative_rmse(&got, &want, EXACT_NEAR_IRRADIANCE, 3),
                 1e-5);
   check_at_most("bent", relative_rmse(&got, &want, EXACT_BENT_NORMAL, 3), 1e-5);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
 }
 
 /* Two frames of the room and its sky, in its own world or in one where z has
@@ -210,8 +208,7 @@ TEST(left_handed_worlds_are_lit_alike) {
   assert_true(most > 0.5);
   for (size_t i = 0; i < plane * (size_t)want.count; ++i)
     assert_true(got.values[i] == want.values[i]);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -247,9 +244,7 @@ TEST(light_scales_with_its_sources) {
   }
   check_at_most("7 times", relative_rmse(&seven, &one, HBIL_LIGHT_RED, 3),
                 1e-6);
-  exact_planes_free(&one);
-  exact_planes_free(&four);
-  exact_planes_free(&seven);
+  planes_free(&one, &four, &seven);
 }
 
 /* Occlusion and bent normals don't depend on light at all. */
@@ -262,48 +257,5 @@ TEST(the_light_of_two_lamps_is_their_sum) {
   for (size_t i = HBIL_LIGHT_RED * plane; i < HBIL_LIGHT_BENT * plane; ++i)
     left.values[i] += right.values[i];
   check_at_most("sum", relative_rmse(&left, &both, HBIL_LIGHT_RED, 3), 1e-6);
-  exact_planes_free(&both);
-  exact_planes_free(&left);
-  exact_planes_free(&right);
-}
-
-/* ------------------------------------------------------------------------ */
-/* The unit of length                                                        */
-
-static exact_planes room_in_units(float size, float radius) {
-  setup s;
-  setup_scene(&s, SCENE_ROOM, 61, 37, 0);
-  s.config.model.radius = s.config.model.ao_radius = radius * size;
-  for (size_t i = 0; i < setup_pixels(&s); ++i)
-    s.input[EXACT_DEPTH][i] *= size;
-  setup_start(&s);
-  exact_planes out = stage_gathered(&s);
-  setup_free(&s);
-  return out;
-}
-
-static void check_units(float size, float radius, double limit) {
-  exact_planes want = room_in_units(1.0f, radius);
-  exact_planes got = room_in_units(size, radius);
-  check_at_most("AO", relative_rmse(&got, &want, HBIL_LIGHT_AO, 1), limit);
-  check_at_most("E_near", relative_rmse(&got, &want, HBIL_LIGHT_RED, 3), limit);
-  check_at_most("bent", relative_rmse(&got, &want, HBIL_LIGHT_BENT, 3), limit);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
-}
-
-TEST(the_unit_of_length_does_not_matter) {
-  const float radii[] = {INFINITY, 1.0f};
-  for (int i = 0; i < 2; ++i) {
-    /* exact: a power of two changes no mantissa */
-    check_units(0x1p-10f, radii[i], 0.0);
-    check_units(0x1p+10f, radii[i], 0.0);
-    /* depths are rounded once more; measured: below 1e-6 */
-    check_units(1e-3f, radii[i], 1e-4);
-    check_units(1e3f, radii[i], 1e-4);
-  }
-}
-
-int main(void) {
-  return run_with_device();
+  planes_free(&both, &left, &right);
 }

@@ -129,8 +129,7 @@ TEST(an_empty_cache_tells_nothing) {
     assert_true(count_different(&lit, &first) > 0);
     reset(&t);
     room_same_bits(&t.s, &first, "after a reset");
-    exact_planes_free(&first);
-    exact_planes_free(&lit);
+    planes_free(&first, &lit);
     stop(&t);
   }
 }
@@ -157,8 +156,7 @@ TEST(moves_leave_the_world_in_its_place) {
     reset(&t);
     assert_success(&t.s, show(&t));
     room_same_bits(&t.s, &before, "there and back");
-    exact_planes_free(&before);
-    exact_planes_free(&moved);
+    planes_free(&before, &moved);
     stop(&t);
   }
 }
@@ -189,8 +187,7 @@ TEST(loaded_caches_have_no_past) {
     if (p != HBIL_CACHE_METHOD_LPV)
       room_same_bits(&t.s, &lit, "loaded");
     free(bytes);
-    exact_planes_free(&lit);
-    exact_planes_free(&got);
+    planes_free(&lit, &got);
     stop(&t);
   }
 }
@@ -358,8 +355,7 @@ static void check_failures(hbil_cache_method method, cl_command_queue queue,
     check_held(&o, held);
   }
   assert_in_range(o.nth, 100, 5000);
-  exact_planes_free(&again);
-  exact_planes_free(&want);
+  planes_free(&again, &want);
   free(bytes);
   stop(&t);
 }
@@ -441,8 +437,7 @@ TEST(bad_arguments_are_rejected_by_name) {
                                                       NULL, NULL));
   exact_planes dark = room_outputs(&t.s);
   assert_true(largest_value(&dark, EXACT_FAR_IRRADIANCE, 3) == 0.0);
-  exact_planes_free(&dark);
-  exact_planes_free(&want);
+  planes_free(&dark, &want);
   stop(&t);
 }
 
@@ -509,8 +504,4 @@ TEST(bad_settings_are_rejected_by_name) {
                 HBIL_INVALID_CONFIG, "model.cache_method");
   assert_null(plan);
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

@@ -461,7 +461,3 @@ TEST(no_method_is_brighter_than_the_furnace) {
     assert_true(got.mean > 0.5);
   }
 }
-
-int main(void) {
-  return run_with_device();
-}

@@ -143,8 +143,7 @@ TEST(walls_hide_their_visible_part) {
      * degrees.  Slices weighed alike would be off by several times as much. */
     check_at_most("dense", wall_error(&s, &dense), 8e-3);
     check_at_most("kernel", wall_error(&s, &kernel), 8e-3);
-    exact_planes_free(&dense);
-    exact_planes_free(&kernel);
+    planes_free(&dense, &kernel);
     setup_free(&s);
   }
 }
@@ -162,8 +161,7 @@ TEST(very_thick_occluders_have_no_end) {
     got = expected_gathered_densely(&thick, &how);
     check_at_most("AO", largest_error(&got, &want, HBIL_LIGHT_AO, 1), 1e-6);
     check_at_most("bent", largest_error(&got, &want, HBIL_LIGHT_BENT, 3), 1e-6);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
+    planes_free(&want, &got);
     setup_free(&endless);
     setup_free(&thick);
   }
@@ -475,11 +473,6 @@ TEST(a_jump_at_the_border_is_no_slope) {
     }
   /* measured: .0076; with the jump as the slope, .033 */
   check_at_most("AO", sqrt(sum / count), 0.012);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

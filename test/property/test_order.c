@@ -80,10 +80,6 @@ static void open_gate(const order *o, cl_event gate) {
 
 /* --- sequences --- */
 
-static enqueue_function *const passes[] = {
-    enqueue_reproject, enqueue_push_pull, enqueue_split,
-    enqueue_gather,    enqueue_recompose, enqueue_composite};
-enum { PASSES = sizeof passes / sizeof *passes };
 static enqueue_function *const whole_frame[] = {hbil_enqueue_frame};
 
 /* A sequence from its first frame on.  The inputs stay, so each frame adds a
@@ -393,8 +389,4 @@ TEST(timings_are_of_both_queues) {
   for (int i = 0; i < PASSES; ++i)
     assert_true(ms[i] > 0.0);
   stop(&o);
-}
-
-int main(void) {
-  return run_with_device();
 }

@@ -231,7 +231,3 @@ TEST(planes_in_depth_buffers_hide_nothing) {
   for (size_t i = 0; i < sizeof buffered_forms / sizeof *buffered_forms; ++i)
     check_buffered(&buffered_forms[i]);
 }
-
-int main(void) {
-  return run_with_device();
-}

@@ -148,8 +148,7 @@ TEST(spoiled_inputs_equal_repaired_ones) {
       check_counts(&found[i], &made[i]);
       check_case("values that a repair has changed",
                  (double)count_different(&got[i], &want[i]), 0.0);
-      exact_planes_free(&got[i]);
-      exact_planes_free(&want[i]);
+      planes_free(&got[i], &want[i]);
     }
   }
 }

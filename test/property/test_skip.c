@@ -443,7 +443,3 @@ TEST(statistics_need_a_frame) {
                    HBIL_INVALID_ARGUMENT);
   setup_free(&s);
 }
-
-int main(void) {
-  return run_with_device();
-}

@@ -120,8 +120,7 @@ static double largest_difference(setup *told, setup *plain) {
         largest = fmax(largest, off / fabs(two.values[i]));
     }
   }
-  exact_planes_free(&one);
-  exact_planes_free(&two);
+  planes_free(&one, &two);
   return largest;
 }
 
@@ -216,8 +215,4 @@ TEST(static_frames_are_checked) {
   run_frame(&s);
   assert_false(statistics_of(&s).not_run[HBIL_PASS_SPLIT]);
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

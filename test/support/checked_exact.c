@@ -20,6 +20,11 @@ exact_planes checked_planes(int width, int height, int count) {
   return planes;
 }
 
+void planes_free_all(exact_planes *const *list) {
+  for (; *list; ++list)
+    exact_planes_free(*list);
+}
+
 void checked_reproject(const exact_frame *frame, const exact_planes *history,
                        exact_planes *carried) {
   check("exact_reproject", exact_reproject(frame, history, carried));

@@ -11,6 +11,9 @@
 #define PI 3.14159265358979323846
 
 exact_planes checked_planes(int width, int height, int count);
+/* Frees each of some planes. */
+#define planes_free(...) planes_free_all((exact_planes *[]){__VA_ARGS__, NULL})
+void planes_free_all(exact_planes *const *list);
 void checked_reproject(const exact_frame *frame, const exact_planes *history,
                        exact_planes *carried);
 void checked_push_pull(exact_planes *carried);

@@ -11,7 +11,7 @@
 char dump_folder[] = "/tmp/hbil-dumps.XXXXXX";
 int dump_orthographic;
 
-int run_with_dumps(void) {
+int main(void) {
   if (!mkdtemp(dump_folder))
     return 99;
   const int failures = tests_run();
@@ -270,9 +270,19 @@ reading dump_read(const dump *d) {
   return r;
 }
 
+reading dump_reading(dump *d) {
+  dump_write(d);
+  return dump_read(d);
+}
+
 void reading_free(reading *r) {
   gbuffer_free(&r->g);
   channel_map_free(&r->map);
+}
+
+void dump_done(dump *d, reading *r) {
+  reading_free(r);
+  dump_end(d);
 }
 
 void assert_no_findings(const reading *r) {

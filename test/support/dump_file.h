@@ -2,8 +2,9 @@
  * Dumps of the project's own scenes, in any layout: a scene is traced, written
  * as a renderer would write it, and read back the way the program reads it.
  *
- * The usual order: dump_begin(), dump_add_ functions, dump_write(),
- * dump_read(), comparisons, reading_free(), dump_end().
+ * The usual order: dump_begin(), dump_add_ functions, dump_reading(),
+ * comparisons, dump_done().  A program that is linked with this has its main(),
+ * which runs the tests in a folder for dumps.
  */
 #ifndef HBIL_TEST_DUMP_FILE_H
 #define HBIL_TEST_DUMP_FILE_H
@@ -39,11 +40,8 @@ typedef struct dump {
   double near, far; /* the camera file's clipping planes; 0: it has none */
 } dump;
 
-/* The folder of all dumps, which run_with_dumps() creates and removes. */
+/* The folder of all dumps, which main() creates and removes. */
 extern char dump_folder[];
-
-/* tests_run() with that folder. */
-int run_with_dumps(void);
 
 /* Whether scenes are seen by an orthographic camera. */
 extern int dump_orthographic;
@@ -122,7 +120,11 @@ typedef struct reading {
 int dump_try_reading(const dump *d, reading *r, image_error *error);
 /* Must succeed. */
 reading dump_read(const dump *d);
+/* Writes it first. */
+reading dump_reading(dump *d);
 void reading_free(reading *r);
+/* Frees the reading and the dump. */
+void dump_done(dump *d, reading *r);
 
 /* Largest relative error of depth; infinite where surface and sky differ. */
 double reading_depth_error(const dump *d, const reading *r);

@@ -327,6 +327,10 @@ static void take_error_factors(setup *s) {
   s->job.error_factors[1] = (double)args.errors.near_irradiance;
 }
 
+enqueue_function *const passes[PASSES] = {enqueue_reproject, enqueue_push_pull,
+                                          enqueue_split,     enqueue_gather,
+                                          enqueue_recompose, enqueue_composite};
+
 void setup_run(setup *s, enqueue_function *pass) {
   assert_success(s, pass(s->plan, s->device->queue, &s->frame, 0, NULL, NULL));
   assert_int_equal(clFinish(s->device->queue), CL_SUCCESS);
@@ -374,6 +378,16 @@ exact_planes outputs_read(setup *s) {
     free(bytes);
   }
   return out;
+}
+
+exact_planes frame_outputs(setup *s) {
+  setup_run(s, hbil_enqueue_frame);
+  return outputs_read(s);
+}
+
+exact_planes first_outputs(setup *s) {
+  setup_start(s);
+  return frame_outputs(s);
 }
 
 #define OUTPUT_LIMIT 1e-4

@@ -104,6 +104,9 @@ typedef hbil_status enqueue_function(hbil_plan *, cl_command_queue,
 /* One pass each, as hbil_enqueue_frame() enqueues all of them. */
 enqueue_function enqueue_reproject, enqueue_push_pull, enqueue_split,
     enqueue_gather, enqueue_recompose, enqueue_composite;
+enum { PASSES = 6 };
+/* These, in their order. */
+extern enqueue_function *const passes[PASSES];
 /* Enqueues a pass or a frame and waits; must succeed. */
 void setup_run(setup *s, enqueue_function *pass);
 /* hbil_last_frame.bounces of the plan. */
@@ -114,6 +117,10 @@ void assert_success(const setup *s, hbil_status status);
 /* All outputs (EXACT_OUTPUT_PLANES planes); 0 where the plan has no such
  * output. Fails when a byte outside a plane was written. */
 exact_planes outputs_read(setup *s);
+/* Those of the next frame, which must succeed. */
+exact_planes frame_outputs(setup *s);
+/* Starts, and returns those of the first frame. */
+exact_planes first_outputs(setup *s);
 /* Compares every output of the plan with `want`: relative RMSE of at most 1e-4
  * (measured: 9.1e-6 at 3 x 5 pixels); 1e-3 for the cone's cosine (3.5e-4),
  * whose sqrt(1 - AO) has half of the digits left where AO is 1. */

@@ -27,8 +27,7 @@ hbil_statistics statistics_of(setup *s) {
 void assert_same_outputs(setup *a, setup *b) {
   exact_planes one = outputs_read(a), two = outputs_read(b);
   assert_int_equal(count_different(&one, &two), 0);
-  exact_planes_free(&one);
-  exact_planes_free(&two);
+  planes_free(&one, &two);
 }
 
 hbil_statistics pair_compare(pair *p) {

@@ -348,8 +348,7 @@ static void check_reproject(under_way *u) {
   u->carried = read_stage(u, HBIL_STAGE_CARRIED);
   check_parts(u, "reproject", HBIL_STAGE_CARRIED, PARTS(carried_parts),
               &u->carried, &want);
-  exact_planes_free(&history);
-  exact_planes_free(&want);
+  planes_free(&history, &want);
 }
 
 /* Holes of all sizes; what is no hole is light, or sky that nothing fills. */
@@ -510,8 +509,7 @@ static void check_recompose(under_way *u) {
   to_variances(u, &light, &want);
   check_parts(u, "recompose", HBIL_STAGE_RESOLVED, PARTS(resolved_parts), &got,
               &want);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
+  planes_free(&got, &want);
   if (u->planted)
     exact_planes_free(&light);
 }
@@ -548,9 +546,7 @@ static void check_ao_search(const under_way *u, exact_planes *out) {
   to_variances(&ao, &got, &want);
   check_parts(&ao, "recompose of ao", HBIL_STAGE_AO_RESOLVED,
               PARTS(resolved_parts), &resolved, &want);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
-  exact_planes_free(&resolved);
+  planes_free(&got, &want, &resolved);
 }
 
 /* What light that is guessed from the frame may be off by, beside a given sky.
@@ -606,8 +602,7 @@ static void check_composite(under_way *u) {
   exact_planes got = outputs_read(u->s);
   for (plane_id id = PLANE_FIRST_OUTPUT; id < PLANE_COUNT; ++id)
     check_output(u, id, &got, &want);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
+  planes_free(&got, &want);
   if (stage_has(u->s, HBIL_STAGE_HISTORY, 0)) {
     got = read_stage(u, HBIL_STAGE_HISTORY);
     part parts[2] = {history_parts[0], history_parts[1]};
@@ -632,8 +627,5 @@ void check_passes(setup *s, drawn *d, uint32_t index, bool planted) {
   for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i)
     rows[i](&u);
   s->job.previous = s->frame.camera;
-  exact_planes_free(&u.carried);
-  exact_planes_free(&u.split);
-  exact_planes_free(&u.gathered);
-  exact_planes_free(&u.resolved);
+  planes_free(&u.carried, &u.split, &u.gathered, &u.resolved);
 }

@@ -30,7 +30,8 @@
 /* The order in which they are added is the compiler's, so lines count. */
 void tests_add(int line, struct CMUnitTest test);
 
-/* Runs the tests: the value for main() to return. */
+/* Runs the tests: the value for main() to return.  A program without a main()
+ * gets that of main.c, which opens a device for them. */
 int tests_run(void);
 /* The same with what is done before all of them and after all. */
 int tests_run_with(CMFixtureFunction begin, CMFixtureFunction end);

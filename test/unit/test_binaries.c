@@ -160,8 +160,7 @@ TEST(a_second_context_builds_nothing) {
     assert_int_equal(m.warnings, 0);
   }
   assert_int_equal(count_different(&out[0], &out[1]), 0);
-  exact_planes_free(&out[0]);
-  exact_planes_free(&out[1]);
+  planes_free(&out[0], &out[1]);
   memory_free(&m);
 }
 
@@ -215,8 +214,7 @@ TEST(plans_share_programs) {
   hbil_context_destroy(device.hbil);
   shim_share_programs(false);
   assert_int_equal(shim_references(), held);
-  exact_planes_free(&out[0]);
-  exact_planes_free(&out[1]);
+  planes_free(&out[0], &out[1]);
   memory_free(&m);
 }
 

@@ -111,8 +111,7 @@ static void check_empty(hbil_far_field far_field, cl_uint width, bool flat) {
                                                  NULL, NULL));
   check_two_frames(&with, &want, "a cache that was reset");
   room_views_free(views, WALLS);
-  exact_planes_free(&filled);
-  exact_planes_free(&want);
+  planes_free(&filled, &want);
   hbil_cache_destroy(cache);
   setup_free(&without);
   setup_free(&with);

@@ -702,7 +702,3 @@ TEST(many_surfaces_have_fewer_rays) {
     exact_cache_free(&cache);
   }
 }
-
-int main(void) {
-  return run_with_device();
-}

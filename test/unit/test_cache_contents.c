@@ -433,7 +433,3 @@ TEST(bytes_of_other_caches_change_nothing) {
   room_same_bits(&t.s, &t.want, "after other caches' bytes");
   room_stop(&t);
 }
-
-int main(void) {
-  return run_with_device();
-}

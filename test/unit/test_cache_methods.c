@@ -470,7 +470,3 @@ TEST(lights_match) {
     lit_free(&l);
   }
 }
-
-int main(void) {
-  return run_with_device();
-}

@@ -305,7 +305,3 @@ TEST(ways_are_the_finest_state_that_is_known) {
     exact_cache_free(&cache);
   }
 }
-
-int main(void) {
-  return run_with_device();
-}

@@ -253,10 +253,7 @@ static void check_handed_on(lit_frame *l, const float *fallen) {
       }
   assert_true(compared > LIT_WIDTH * LIT_HEIGHT && lit > compared / 4);
   check_at_most("handed on", worst / largest, 2e-6); /* as split's radiance */
-  exact_planes_free(&light);
-  exact_planes_free(&carried);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&light, &carried, &want, &got);
 }
 
 static void check_falling(cl_uint width, hbil_projection projection,
@@ -405,12 +402,7 @@ static void check_join(cl_uint width, hbil_far_field far,
   exact_composite(&l.s.job, &resolved, &want, &history);
   check_outputs(&got, &want);
   exact_probes_free(&probes);
-  exact_planes_free(&split);
-  exact_planes_free(&gathered);
-  exact_planes_free(&resolved);
-  exact_planes_free(&want);
-  exact_planes_free(&history);
-  exact_planes_free(&got);
+  planes_free(&split, &gathered, &resolved, &want, &history, &got);
   lit_free(&l);
 }
 
@@ -495,8 +487,4 @@ TEST(an_even_known_field_sends_pi_ao_l) {
     exact_probes_free(&probes);
     setup_free(&s);
   }
-}
-
-int main(void) {
-  return run_with_device();
 }

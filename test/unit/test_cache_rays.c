@@ -450,7 +450,3 @@ TEST(areas_tell_up_to_their_ends) {
   exact_cache_free(&cache);
   free(b);
 }
-
-int main(void) {
-  return run_with_device();
-}

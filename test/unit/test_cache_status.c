@@ -465,7 +465,3 @@ TEST(queues_and_events_of_other_contexts_are_rejected) {
   room_same_bits(&t.s, &t.want, "after a queue of another context");
   room_stop(&t);
 }
-
-int main(void) {
-  return run_with_device();
-}

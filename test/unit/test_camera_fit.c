@@ -63,8 +63,7 @@ TEST_WITH_BOTH_CAMERAS(a_missing_file_is_replaced) {
       const hbil_camera *wanted = &d.s.camera;
       disturb(&d, cases[k].reach, cases[k].nonsense);
       d.json = 0;
-      dump_write(&d);
-      reading r = dump_read(&d);
+      reading r = dump_reading(&d);
       const hbil_camera *is = &r.map.camera;
       const double most = cases[k].most;
       assert_true(r.seen.fitted && r.seen.placed);
@@ -77,8 +76,7 @@ TEST_WITH_BOTH_CAMERAS(a_missing_file_is_replaced) {
         assert_near(is->world_from_view[i], wanted->world_from_view[i],
                     i % 4 == 3 ? 10 * most : most);
       }
-      reading_free(&r);
-      dump_end(&d);
+      dump_done(&d, &r);
     }
 }
 
@@ -91,24 +89,20 @@ TEST(other_worlds_are_fitted) {
   d.options.map = "normal=";
   d.options.from_depth = 1;
   d.json = 0;
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_true(r.seen.fitted && !r.seen.placed);
   assert_near(r.map.camera.fx / d.s.camera.fx, 1, 1e-3);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
   d = begin(SCENE_ROOM);
   d.img.x = 30;
   d.img.y = 20;
   d.img.display = (image_window){0, 0, 2 * WIDTH, 2 * HEIGHT};
   d.json = 0;
-  dump_write(&d);
-  r = dump_read(&d);
+  r = dump_reading(&d);
   assert_near(r.seen.file.cx, d.s.camera.cx + 30, 0.05);
   assert_near(r.seen.file.cy, d.s.camera.cy + 20, 0.05);
   assert_near(r.camera.cx, d.s.camera.cx, 0.05);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* Positions on one plane tell no camera without a depth that is distance. */
@@ -186,15 +180,13 @@ TEST_WITH_BOTH_CAMERAS(wrong_cameras_are_named) {
         continue; /* the same as a moved camera */
       disturb(&d, 0.5 * reach, 0);
       spoil(&d.s.camera, (mistake)m);
-      dump_write(&d);
-      reading r = dump_read(&d);
+      reading r = dump_reading(&d);
       const findings *found = &r.check.found;
       if (found->count != 1 || !strstr(found->text[0], texts[m]))
         fail_msg("%s: %d findings, %s", texts[m], found->count,
                  found->count ? found->text[0] : "");
       assert_non_null(strstr(found->text[0], "--camera positions"));
-      reading_free(&r);
-      dump_end(&d);
+      dump_done(&d, &r);
     }
 }
 
@@ -203,11 +195,9 @@ TEST_WITH_BOTH_CAMERAS(right_cameras_have_no_findings) {
   for (int scene = SCENE_ROOM; scene <= SCENE_SKY; scene++) {
     dump d = begin((scene_kind)scene);
     disturb(&d, 0.5, 0.05);
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -254,15 +244,13 @@ TEST(curved_pictures_are_named) {
       for (int c = 0; c < 3; c++)
         d.img.planes[4 + c].pixels[i] = (float)at[c];
     }
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     const char *kind = panorama ? "is a panorama" : "is a fisheye";
     int named = 0;
     for (int i = 0; i < r.check.found.count; i++)
       named += strstr(r.check.found.text[i], kind) != NULL;
     assert_int_equal(named, 1);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -284,20 +272,13 @@ TEST(single_planes_are_no_fisheyes) {
                                         m[4 * c + 2] * v[2]));
     }
     d.options.from_depth = 1;
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_no_findings(&r);
     reading_free(&r);
     /* nor with a wrong camera */
     d.s.camera.fx *= 1.2;
     d.s.camera.fy *= 1.2;
-    dump_write(&d);
-    r = dump_read(&d);
-    reading_free(&r);
-    dump_end(&d);
+    r = dump_reading(&d);
+    dump_done(&d, &r);
   }
-}
-
-int main(void) {
-  return run_with_dumps();
 }

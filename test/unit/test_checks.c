@@ -546,7 +546,3 @@ TEST(planes_of_several_kinds_are_told_apart) {
       {HBIL_FLOAT16, 28}, {HBIL_FLOAT32, 4}, {HBIL_FLOAT32, 20}};
   check_random_places(formats, 28, 8, WIDTH, HEIGHT);
 }
-
-int main(void) {
-  return run_with_device();
-}

@@ -19,9 +19,6 @@ static int count_variants(void) {
 /* A first frame, one of another camera, static ones, a reset, and a frame in
  * single passes. */
 static void run_frames(setup *s) {
-  static enqueue_function *const passes[] = {
-      enqueue_reproject, enqueue_push_pull, enqueue_split,
-      enqueue_gather,    enqueue_recompose, enqueue_composite};
   setup_run(s, hbil_enqueue_frame);
   setup_load_scene(s, SCENE_ROOM, 1);
   setup_upload(s);
@@ -32,7 +29,7 @@ static void run_frames(setup *s) {
   s->frame.static_frame = CL_FALSE;
   hbil_plan_reset(s->plan);
   setup_run(s, hbil_enqueue_frame);
-  for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i)
+  for (int i = 0; i < PASSES; ++i)
     setup_run(s, passes[i]);
 }
 

@@ -30,8 +30,7 @@ TEST(gtao_has_the_occlusion_of_hbil) {
     check_at_most("light", largest_value(&got, HBIL_LIGHT_RED, 3), 0.0);
     check_at_most("unknown", largest_value(&got, HBIL_LIGHT_UNKNOWN, 1), 0.0);
     assert_true(largest_value(&want, HBIL_LIGHT_RED, 3) > 0.1);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
+    planes_free(&want, &got);
     setup_free(&hbil);
     setup_free(&gtao);
   }
@@ -91,9 +90,7 @@ TEST(masked_pixels_stay_as_they_are) {
   for (int i = 0; i < 64 * 36 * HBIL_LIGHT_PLANES; ++i)
     assert_true(got.values[i] ==
                 (wanted[i % (64 * 36)] ? want.values[i] : -7.0));
-  exact_planes_free(&split);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&split, &want, &got);
   setup_free(&s);
 }
 
@@ -132,8 +129,4 @@ TEST(plans_approach_the_dense_frame) {
   exact_state_free(&expected);
   exact_planes_free(&got);
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

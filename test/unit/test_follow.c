@@ -43,8 +43,7 @@ TEST(plans_of_one_size_have_the_same_bits) {
   for (uint32_t frame = 3; frame < 5; ++frame) {
     exact_planes want = outputs_read(&s[0]), got = outputs_read(&s[1]);
     assert_int_equal(count_different(&got, &want), 0);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
+    planes_free(&want, &got);
     assert_int_equal(setup_bounces(&s[1]), frame);
     for (int i = 0; i < 2; ++i) { /* each goes on by itself */
       load(&s[i], frame);
@@ -104,9 +103,7 @@ static void check_sizes(size before, size now, hbil_reprojection how,
       found += *exact_at(&got, HBIL_CARRIED_WEIGHT, x, y) > 0.0;
   /* at the fewest, where a pixel's neighbours are at other depths */
   assert_in_range(found, now.width * now.height / 2, now.width * now.height);
-  exact_planes_free(&history);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
+  planes_free(&history, &got, &want);
   setup_free(&s);
   setup_free(&last);
 }
@@ -173,8 +170,4 @@ TEST(plans_that_cannot_follow_stay) {
   setup_free(&floats);
   setup_free(&last);
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

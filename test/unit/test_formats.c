@@ -462,8 +462,7 @@ TEST(all_passes_decode_hardware_depth) {
                                      i & 2 ? CLIP_0_1 : CLIP_1_0, how, i & 2);
     check_at_most("beauty", relative_rmse(&got, &want, EXACT_BEAUTY, 3), 1e-5);
     check_at_most("AO", relative_rmse(&got, &want, EXACT_AO, 1), 1e-5);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
+    planes_free(&want, &got);
   }
 }
 
@@ -499,8 +498,7 @@ TEST(snorm_motion_is_read) {
   exact_planes got = moved_light(HBIL_SNORM16);
   /* measured: 3.7e-9 */
   check_at_most("carried light", relative_rmse(&got, &want, 0, 4), 1e-7);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -577,8 +575,4 @@ TEST(projections_without_depth_are_rejected) {
         strstr(hbil_context_message(s.device->hbil), "hardware_depth: "));
   }
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

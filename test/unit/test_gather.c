@@ -48,8 +48,7 @@ TEST(hardly_rough_planes_match) {
     check_at_most("AO", largest_error(&got, &want, HBIL_LIGHT_AO, 1), 2e-6);
     check_at_most("E_near", largest_error(&got, &want, HBIL_LIGHT_RED, 3),
                   2e-6 * PI);
-    exact_planes_free(&got);
-    exact_planes_free(&want);
+    planes_free(&got, &want);
     setup_free(&s);
   }
 }
@@ -99,9 +98,7 @@ TEST(far_views_become_orthographic) {
   check_at_most("AO", relative_rmse(got, got + 1, HBIL_LIGHT_AO, 1), 8e-3);
   check_at_most("E_near", relative_rmse(got, got + 1, HBIL_LIGHT_RED, 3), 8e-3);
   check_at_most("bent", relative_rmse(got, got + 1, HBIL_LIGHT_BENT, 3), 8e-3);
-  exact_planes_free(got);
-  exact_planes_free(got + 1);
-  exact_planes_free(&split);
+  planes_free(got, got + 1, &split);
   setup_free(&s);
 }
 
@@ -125,8 +122,7 @@ TEST(endless_occluders_are_the_horizon_s) {
   exact_planes horizon = room_as_thick_as(INFINITY);
   check_at_most("AO", relative_rmse(&sectors, &horizon, HBIL_LIGHT_AO, 1),
                 0.03);
-  exact_planes_free(&sectors);
-  exact_planes_free(&horizon);
+  planes_free(&sectors, &horizon);
 }
 
 /* With radiance 1 everywhere, every direction that is not open brings 1. */
@@ -165,8 +161,4 @@ TEST(the_white_furnace_is_closed) {
   check_furnace(SCENE_SKY, 4, INFINITY, INFINITY);
   check_furnace(SCENE_ROOM, 2, 0.7f, INFINITY);
   check_furnace(SCENE_ROOM, 2, INFINITY, 0.1f);
-}
-
-int main(void) {
-  return run_with_device();
 }

@@ -162,11 +162,7 @@ static void check_cached_frame(cl_uint width, hbil_far_field far,
                 2e-5 * largest_value(&want, EXACT_GLOSSY, 3));
   free(glossy);
   exact_probes_free(&probes);
-  exact_planes_free(&split);
-  exact_planes_free(&gathered);
-  exact_planes_free(&resolved);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&split, &gathered, &resolved, &want, &got);
   lit_free(&l);
 }
 
@@ -175,8 +171,4 @@ TEST(cached_frames_match) {
     check_cached_frame(widths[i], (hbil_far_field)(3 - i),
                        HBIL_PROJECTION_PERSPECTIVE);
   check_cached_frame(8, HBIL_FAR_CONSTANT, HBIL_PROJECTION_ORTHOGRAPHIC);
-}
-
-int main(void) {
-  return run_with_device();
 }

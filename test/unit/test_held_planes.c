@@ -63,8 +63,7 @@ TEST(the_file_is_read_once) {
   assert_int_not_equal(gbuffer_read(d.path, &r.map, ALL, &plain, &error), 0);
   held_planes_free(&held);
   gbuffer_free(&points);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* A channel that can't be read fails those who want it, and nobody else. */
@@ -83,8 +82,7 @@ TEST(who_wants_no_missing_channel_reads_on) {
   assert_non_null(strstr(error.text, "missing"));
   held_planes_free(&held);
   gbuffer_free(&plain);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 static void assert_lies_at(const image *img, size_t plane,
@@ -120,8 +118,7 @@ TEST(planes_lie_in_lent_memory) {
   }
   image_memory_free(&m);
   gbuffer_free(&plain);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* What was read before moves to where the others are. */
@@ -141,10 +138,5 @@ TEST(planes_move_into_lent_memory) {
   assert_same(&plain, moved);
   image_memory_free(&m);
   gbuffer_free(&plain);
-  reading_free(&r);
-  dump_end(&d);
-}
-
-int main(void) {
-  return run_with_dumps();
+  dump_done(&d, &r);
 }

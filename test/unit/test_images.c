@@ -221,8 +221,7 @@ static void frames_have_the_same_bits(pair *p) {
     run(p, hbil_enqueue_frame);
     exact_planes want = outputs_read(&p->s), got = image_outputs(p);
     assert_int_equal(count_different(&got, &want), 0);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
+    planes_free(&want, &got);
   }
   pair_end(p);
 }
@@ -257,28 +256,23 @@ TEST(special_values_give_the_same_bits) {
   run(&p, hbil_enqueue_frame);
   exact_planes want = outputs_read(&p.s), got = image_outputs(&p);
   assert_int_equal(count_different(&got, &want), 0);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
   pair_end(&p);
 }
 
 TEST(passes_one_by_one_give_the_same_bits) {
-  static enqueue_function *const passes[] = {
-      enqueue_reproject, enqueue_push_pull, enqueue_split,
-      enqueue_gather,    enqueue_recompose, enqueue_composite};
   pair p;
   pair_begin(&p, &floats, &floats);
   pair_start(&p);
   for (int frame = 0; frame < 2; ++frame) {
     load_frame(&p, frame);
     setup_run(&p.s, hbil_enqueue_frame);
-    for (size_t i = 0; i < sizeof passes / sizeof *passes; ++i)
+    for (int i = 0; i < PASSES; ++i)
       run(&p, passes[i]);
   }
   exact_planes want = outputs_read(&p.s), got = image_outputs(&p);
   assert_int_equal(count_different(&got, &want), 0);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
   pair_end(&p);
 }
 
@@ -306,8 +300,7 @@ TEST(colours_of_unorm_images_are_those_of_unorm_planes) {
   /* v / 255 and v (1 / 255) differ by a rounding */
   check_at_most("outputs", relative_rmse(&got, &want, 0, EXACT_OUTPUT_PLANES),
                 1e-6);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
   pair_end(&p);
 }
 
@@ -330,8 +323,7 @@ TEST(directions_keep_their_sign) {
     /* the vector's length is off as much as a component, hence twice */
     check_at_most("normals", largest_error(&got, &want, HBIL_SPLIT_NORMAL, 3),
                   2.0 * kinds[i]->direction);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
+    planes_free(&want, &got);
     pair_end(&p);
   }
 }
@@ -355,8 +347,7 @@ TEST(outputs_keep_their_values) {
     assert_true(largest_value(&want, EXACT_UNKNOWN, 1) > 0.1);
     check_at_most("unknown", largest_error(&got, &want, EXACT_UNKNOWN, 1),
                   kinds[i]->direction);
-    exact_planes_free(&want);
-    exact_planes_free(&got);
+    planes_free(&want, &got);
     pair_end(&p);
   }
 }
@@ -375,8 +366,7 @@ TEST(bright_light_is_clipped_in_halves) {
   exact_planes want = outputs_read(&p.s), got = image_outputs(&p);
   assert_true(largest_value(&want, EXACT_BEAUTY, 3) == 65504.0);
   assert_true(largest_value(&got, EXACT_BEAUTY, 3) == 65504.0);
-  exact_planes_free(&want);
-  exact_planes_free(&got);
+  planes_free(&want, &got);
   pair_end(&p);
 }
 
@@ -506,8 +496,4 @@ TEST(other_objects_are_rejected_by_name) {
   clReleaseContext(others);
   run(&p, hbil_enqueue_frame); /* as it was */
   pair_end(&p);
-}
-
-int main(void) {
-  return run_with_device();
 }

@@ -35,8 +35,7 @@ TEST_WITH_BOTH_CAMERAS(reads_blender) {
       x[i] = d.s.motion[0][i];
       y[i] = -d.s.motion[1][i];
     }
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_int_equal(r.map.kind, DUMP_CYCLES);
     assert_same_geometry(&d, &r, ROUNDING);
     assert_same_light(&d, &r);
@@ -47,8 +46,7 @@ TEST_WITH_BOTH_CAMERAS(reads_blender) {
                     d.s.motion[c][i]);
     assert_true(r.check.positions < 1e-5);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -64,15 +62,13 @@ TEST_WITH_BOTH_CAMERAS(the_far_plane_of_eevee_is_sky) {
     d.far = far;
     if (said)
       d.options.sky_depth = 1e9f;
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_int_equal(r.map.kind, DUMP_CYCLES);
     assert_true(fabs((double)r.config.inputs.sky_depth -
                      (said ? 1e9 : far * (1 - 1e-3))) <= 1e-4 * far);
     if (!said)
       assert_same_geometry(&d, &r, ROUNDING);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -88,8 +84,7 @@ TEST_WITH_BOTH_CAMERAS(reads_pbrt) {
   dump_add_depth(&d, "", "dzdx", 1, 0);
   dump_add_matrices(&d, AXES_MIRRORED, AXES_LEFT_HANDED, scale, scale,
                     half_picture, 0);
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.map.kind, DUMP_PBRT);
   assert_true(r.seen.mirrored);
   assert_same_geometry(&d, &r, MATRIX_ROUNDING);
@@ -101,11 +96,9 @@ TEST_WITH_BOTH_CAMERAS(reads_pbrt) {
     d.options.orthographic = (float)(WIDTH / d.s.camera.fx);
   else
     d.options.fov = (float)(atan(0.5 * WIDTH / d.s.camera.fx) * 360 / PI);
-  dump_write(&d);
-  r = dump_read(&d);
+  r = dump_reading(&d);
   assert_same_geometry(&d, &r, MATRIX_ROUNDING);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* Distances begin at the near plane. */
@@ -119,15 +112,13 @@ TEST_WITH_BOTH_CAMERAS(reads_mitsuba) {
       dump_add_vectors(&d, "pos", letters_xyz, d.s.position, AXES_WORLD, 1);
     d.options.clip[0] = 0.25f;
     d.options.clip[1] = 100.0f;
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_int_equal(r.map.kind, DUMP_MITSUBA);
     assert_int_equal(r.map.how.depth,
                      with_positions ? DEPTH_POSITION : DEPTH_RAY);
     assert_same_geometry(&d, &r, ROUNDING);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -146,16 +137,14 @@ TEST_WITH_BOTH_CAMERAS(reads_arnold) {
                     1 / PI);
     dump_add_matrices(&d, AXES_WORLD, AXES_OPENGL, 2 * d.s.camera.fx / WIDTH,
                       2 * d.s.camera.fy / HEIGHT, no_offset, 1);
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_int_equal(r.map.kind, DUMP_ARNOLD);
     assert_int_equal(r.map.how.depth,
                      ray && !dump_orthographic ? DEPTH_RAY : DEPTH_PLANAR);
     assert_same_geometry(&d, &r, MATRIX_ROUNDING);
     assert_same_light(&d, &r);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -166,14 +155,12 @@ TEST_WITH_BOTH_CAMERAS(reads_vray) {
   dump_add_colour(&d, "diffuse", letters_words, d.s.albedo, NULL, 1);
   dump_add_colour(&d, "lighting", letters_words, d.s.direct, d.s.albedo,
                   1 / PI);
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.map.kind, DUMP_VRAY);
   assert_same_geometry(&d, &r, ROUNDING);
   assert_same_light(&d, &r);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* A left-handed world, z forwards, a picture of 0..1 whose y runs down. */
@@ -189,15 +176,13 @@ TEST_WITH_BOTH_CAMERAS(reads_renderman) {
                   d.s.albedo, 1 / PI);
   dump_add_matrices(&d, AXES_MIRRORED, AXES_LEFT_HANDED, d.s.camera.fx / WIDTH,
                     -d.s.camera.fy / HEIGHT, half_picture, 1);
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.map.kind, DUMP_RENDERMAN);
   assert_same_geometry(&d, &r, MATRIX_ROUNDING);
   assert_same_light(&d, &r);
   assert_true(r.check.positions < 1e-4);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* Centimetres; normals of a material that encodes them. */
@@ -214,14 +199,12 @@ TEST_WITH_BOTH_CAMERAS(reads_unreal) {
   dump_add_colour(&d, "FinalImageMovieRenderQueue_BaseColor", letters_rgb,
                   d.s.albedo, NULL, 1);
   d.options.unit = 0.01f;
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.map.kind, DUMP_UNREAL);
   assert_true(r.map.how.encoded);
   assert_same_geometry(&d, &r, ROUNDING);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -252,8 +235,7 @@ TEST_WITH_BOTH_CAMERAS(reads_device_depths) {
     d.options.depth = reversed ? DEPTH_REVERSED : DEPTH_DEVICE;
     d.options.clip[0] = (float)near;
     d.options.clip[1] = (float)far;
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_true(reading_depth_error(&d, &r) <= rounding_of_z);
     assert_no_findings(&r);
     /* sky from half of the depth range on */
@@ -304,8 +286,7 @@ TEST_WITH_BOTH_CAMERAS(planes_are_handed_over_as_stored) {
     d.options.unit = cases[i].unit;
     d.options.clip[0] = 0.5f;
     d.options.clip[1] = 200.0f;
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     const hbil_inputs *in = &r.config.inputs;
     assert_true(is_as_stored(&d, &r, ROLE_DEPTH, 0, "depth.Z"));
     assert_true(is_as_stored(&d, &r, ROLE_NORMAL, 1, "normal.Y"));
@@ -316,8 +297,7 @@ TEST_WITH_BOTH_CAMERAS(planes_are_handed_over_as_stored) {
                 in->normal_scale[2] == -1);
     channel_map_hardware_depth(&r.map, ab);
     assert_true((ab[1] != 0.0) == (in->depth_kind == HBIL_DEPTH_HARDWARE));
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -327,14 +307,12 @@ TEST_WITH_BOTH_CAMERAS(guesses_what_plain_letters_mean) {
   dump d = dump_begin(SCENE_SKY);
   dump_add_depth(&d, "", "Z", -1, -65504.0f);
   dump_add_vectors(&d, "N", letters_xyz, d.s.normal, AXES_OPENGL, 0);
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.map.kind, DUMP_PLAIN);
   assert_int_equal(r.guessed.count, 3);
   assert_same_geometry(&d, &r, ROUNDING);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 TEST_WITH_BOTH_CAMERAS(options_have_the_last_word) {
@@ -353,13 +331,11 @@ TEST_WITH_BOTH_CAMERAS(options_have_the_last_word) {
   d.options.flips = 2;
   d.options.direct = DIRECT_LIGHT;
   d.options.sky_depth = 999.0f;
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_same_geometry(&d, &r, ROUNDING);
   assert_same_light(&d, &r);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* Depth, albedo and the rest are in files of their own; the albedo is a PNG. */
@@ -385,8 +361,7 @@ TEST(reads_one_file_a_pass) {
       png_write(png, bytes, WIDTH, HEIGHT, EXISTING_REPLACED, &error), 0);
   dump_add_vectors(&d, "N", letters_xyz, d.s.normal, AXES_WORLD, 0);
   d.options.map = "depth=z.#.exr:Z,albedo=paint_####.png";
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_same_geometry(&d, &r, ROUNDING);
   /* half a step of eight bits, where sRGB is steepest for light colours: 2.4 */
   assert_true(reading_colour_error(&d, &r, ROLE_ALBEDO, d.s.albedo, 1, NULL) <=
@@ -414,8 +389,7 @@ TEST_WITH_BOTH_CAMERAS(reads_display_and_data_windows) {
   d.img.x = 7 - MORE;
   d.img.y = 5 - MORE;
   d.img.display = (image_window){7, 5, WIDTH, HEIGHT};
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.map.display.width, WIDTH);
   assert_int_equal(r.g.planes.width, WIDTH + 2 * MORE);
   assert_same_geometry(&d, &r, ROUNDING);
@@ -423,16 +397,14 @@ TEST_WITH_BOTH_CAMERAS(reads_display_and_data_windows) {
   /* the camera of the picture alone is the same one, elsewhere */
   assert_true(fabs(r.camera.cx - plain.s.camera.cx - MORE) < 1e-9);
   assert_true(fabs(r.camera.fx - plain.s.camera.fx) < 1e-6);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
   d = dump_begin(SCENE_ROOM);
   dump_add_depth(&d, "depth", "Z", 1, 0);
   dump_add_vectors(&d, "normal", letters_xyz, d.s.normal, AXES_WORLD, 0);
   d.img.x = 30;
   d.img.y = 20;
   d.img.display = (image_window){0, 0, 2 * WIDTH, 2 * HEIGHT};
-  dump_write(&d);
-  r = dump_read(&d);
+  r = dump_reading(&d);
   assert_same_geometry(&d, &r, ROUNDING);
   /* and placed in a window that another frame needs as well */
   gbuffer g;
@@ -447,8 +419,7 @@ TEST_WITH_BOTH_CAMERAS(reads_display_and_data_windows) {
                   (inside ? d.s.depth[(y + 1) * WIDTH + x - 1] : 0.0f));
     }
   gbuffer_free(&g);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
   dump_end(&plain);
 }
 
@@ -465,15 +436,9 @@ TEST_WITH_BOTH_CAMERAS(reads_off_centre_cameras) {
     dump_add_matrices(&d, AXES_WORLD, AXES_OPENGL, c->fx / w,
                       (down ? -1 : 1) * c->fy / h, middle, 1);
     d.img.display = (image_window){0, 0, (uint32_t)w, (uint32_t)h};
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_same_geometry(&d, &r, MATRIX_ROUNDING);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
-}
-
-int main(void) {
-  return run_with_dumps();
 }

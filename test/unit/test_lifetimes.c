@@ -162,8 +162,7 @@ TEST(frames_are_not_disturbed_by_children) {
     setup_free(&s);
   }
   assert_int_equal(count_different(&out[0], &out[1]), 0);
-  exact_planes_free(&out[0]);
-  exact_planes_free(&out[1]);
+  planes_free(&out[0], &out[1]);
 }
 
 /* The status of a child that was there before OpenCL was called, and had a

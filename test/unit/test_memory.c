@@ -428,7 +428,3 @@ TEST_WITHOUT_KERNELS(plans_do_without_huge_pages) {
   assert_true(managed > 0);
   setup_free(&s);
 }
-
-int main(void) {
-  return run_with_device();
-}

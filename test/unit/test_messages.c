@@ -343,7 +343,3 @@ TEST(the_callback_gets_warnings_of_timings) {
   setup_free(&s);
   clReleaseCommandQueue(profiled.queue);
 }
-
-int main(void) {
-  return run_with_device();
-}

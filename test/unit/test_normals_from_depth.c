@@ -368,13 +368,7 @@ TEST(frames_are_those_of_the_rebuilt_normals) {
   }
   exact_planes got = outputs_read(&rebuilt), want = outputs_read(&given);
   assert_int_equal(count_different(&got, &want), 0);
-  exact_planes_free(&got);
-  exact_planes_free(&want);
-  exact_planes_free(&split);
+  planes_free(&got, &want, &split);
   setup_free(&rebuilt);
   setup_free(&given);
-}
-
-int main(void) {
-  return run_with_device();
 }

@@ -28,15 +28,13 @@ TEST_WITH_ORTHOGRAPHIC_CAMERA(headers_have_their_own_units) {
   c->fx *= 100;
   c->fy *= 100;
   d.options.unit = 0.01f;
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_same_geometry(&d, &r, MATRIX_ROUNDING);
   for (int i = 0; i < 3; i++)
     assert_true(fabs(r.map.camera.world_from_view[4 * i + 3] -
                      0.01 * c->world_from_view[4 * i + 3]) < 1e-5);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* Options overrule the file's projection, and a file that is read with the
@@ -59,8 +57,7 @@ TEST_WITH_ORTHOGRAPHIC_CAMERA(options_choose_the_lens) {
   r = dump_read(&d);
   assert_same_geometry(&d, &r, ROUNDING);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 TEST(one_lens_is_given) {
@@ -214,8 +211,4 @@ TEST(scenes_are_what_the_camera_sees) {
   assert_true(sphere > 500);
   scene_free(&before);
   scene_free(&s);
-}
-
-int main(void) {
-  return run_with_dumps();
 }

@@ -99,8 +99,7 @@ TEST(direct_light_is_found) {
   static const char *const layers[] = {"root", "img", "both"};
   for (int k = 0; k < 3; k++) {
     dump d = mitsuba(SCENE_SKY, &(picture){.layers = layers[k]});
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_int_equal(r.map.how.direct, DIRECT_RADIANCE);
     assert_string_equal(r.map.names[ROLE_DIRECT][0], k == 1 ? "img.R" : "R");
     assert_int_equal(r.guessed.count, 0);
@@ -109,16 +108,14 @@ TEST(direct_light_is_found) {
                 1e-6);
     assert_light(&d, &r);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
 /* The sky that direct light shows becomes emission, and edges don't glow. */
 TEST(sky_is_taken_out) {
   dump d = mitsuba(SCENE_SKY, &(picture){.sky = 1, .layers = "both"});
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   float most = 0.0f;
   for (size_t i = 0; i < PIXELS; i++)
     most = fmaxf(most, d.s.direct[0][i]);
@@ -131,8 +128,7 @@ TEST(sky_is_taken_out) {
     }
   assert_light(&d, &r);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* Lamps that direct light shows become emission; --map emission= leaves them.
@@ -142,8 +138,7 @@ TEST(lamps_are_taken_out) {
     dump d = mitsuba(SCENE_ROOM, &(picture){.lamps = 1, .layers = "both"});
     size_t lamps = 0, found = 0;
     d.options.map = none ? "emission=" : NULL;
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     for (size_t i = 0; i < PIXELS; i++) {
       const float *emission = gbuffer_plane(&r.g, ROLE_EMISSION, 0);
       lamps += d.s.emission[0][i] > 0.0f;
@@ -156,8 +151,7 @@ TEST(lamps_are_taken_out) {
     assert_int_equal(r.guessed.count, none ? 0 : 1);
     if (!none)
       assert_light(&d, &r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -168,22 +162,18 @@ TEST(lit_patches_are_no_lamps) {
     for (size_t c = 0; c < 3 && i / WIDTH > HEIGHT - 14; c++)
       dump_plane(&d, (const char *[]){"R", "G", "B"}[c])[i] *=
           i % WIDTH > 40 && i % WIDTH < 60 ? 1000.0f : 1.0f;
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_true(r.map.how.lamps_from == 0.0f);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* The picture of `path` is warned of. */
 TEST(finished_pictures_are_named) {
   dump d = mitsuba(SCENE_ROOM, &(picture){.layers = "both", .indirect = 0.1});
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.check.found.count, 1);
   assert_non_null(strstr(r.check.found.text[0], "finished picture"));
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* ch00 and so on, as mi.util.write_bitmap() names them. */
@@ -204,8 +194,7 @@ TEST(loose_channels_are_mapped) {
                   "albedo=ch10,ch11,ch12";
   d.options.clip[0] = 0.01f;
   d.options.clip[1] = 1000.0f;
-  dump_write(&d);
-  r = dump_read(&d);
+  r = dump_reading(&d);
   assert_int_equal(r.map.how.depth, DEPTH_RAY);
   assert_same_geometry(&d, &r, ROUNDING);
   assert_light(&d, &r);
@@ -230,11 +219,9 @@ TEST(t_is_ray_depth) {
     d.options.source = generic ? DUMP_PLAIN : DUMP_MITSUBA;
     d.options.map = generic ? "depth=dd.T,normal=nn,position=pp"
                             : "depth=dd.T,albedo=albedo";
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_int_equal(r.map.how.depth, DEPTH_RAY);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -339,8 +326,4 @@ TEST(other_outputs_name_the_depth) {
   assert_non_null(strstr(error.text, "room_DEPTH_0004.exr"));
   assert_non_null(strstr(error.text, "is the output ALBEDO"));
   remove_outputs(&d, 1);
-}
-
-int main(void) {
-  return run_with_dumps();
 }

@@ -39,12 +39,10 @@ TEST_WITH_BOTH_CAMERAS(dumps_without_mistakes_have_no_findings) {
                        1);
       dump_add_colour(&d, "albedo", letters_rgb, d.s.albedo, NULL, 1);
       dump_add_colour(&d, "direct", letters_rgb, d.s.direct, NULL, 1);
-      dump_write(&d);
-      reading r = dump_read(&d);
+      reading r = dump_reading(&d);
       assert_no_findings(&r);
       assert_true(r.check.facing > 0.999);
-      reading_free(&r);
-      dump_end(&d);
+      dump_done(&d, &r);
     }
   }
 }
@@ -66,12 +64,10 @@ TEST(finds_it_by_positions_too) {
   float *z = dump_plane(&d, "depth.Z");
   for (size_t i = 0; i < PIXELS; i++)
     z[i] *= (float)dump_ray_length(&d, i);
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.check.found.count, 2);
   assert_non_null(strstr(r.check.found.text[1], "--depth ray"));
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 TEST_WITH_BOTH_CAMERAS(finds_normals_of_another_space) {
@@ -136,8 +132,7 @@ TEST_WITH_BOTH_CAMERAS(finds_other_units) {
 
 TEST_WITH_BOTH_CAMERAS(finds_a_radius_of_other_units) {
   dump d = dump_begin_plain(SCENE_ROOM);
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   const struct {
     float radius;
     const char *text; /* NULL: nothing */
@@ -158,8 +153,7 @@ TEST_WITH_BOTH_CAMERAS(finds_a_radius_of_other_units) {
   frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
   assert_int_equal(r.check.found.count, 1);
   assert_non_null(strstr(r.check.found.text[0], "--ao-radius"));
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 TEST(finds_gamma_encoded_albedo) {
@@ -177,8 +171,7 @@ TEST(finds_gamma_encoded_albedo) {
     }
     dump_add_colour(&d, "direct", letters_rgb, d.s.direct, NULL, 1);
     d.options.gamma = 1;
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_no_findings(&r);
     assert_true(
         fabs((double)gbuffer_plane(&r.g, ROLE_ALBEDO, 0)[128 * 183 % 256] -
@@ -186,8 +179,7 @@ TEST(finds_gamma_encoded_albedo) {
     /* light that is floats is linear all the same */
     assert_true(
         reading_colour_error(&d, &r, ROLE_DIRECT, d.s.direct, 1, NULL) == 0);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -221,12 +213,10 @@ TEST(a_view_layer_called_beauty_is_no_picture) {
     dump_add_colour(&d, name, letters_rgb, d.s.albedo, NULL, 1);
     snprintf(name, sizeof name, "%s.DiffDir", layers[i]);
     dump_add_colour(&d, name, letters_rgb, d.s.direct, NULL, 1 / PI);
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     assert_int_equal(r.map.kind, DUMP_CYCLES);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -318,13 +308,11 @@ TEST_WITH_ORTHOGRAPHIC_CAMERA(distant_cameras_have_no_findings) {
       finds(&d, "the camera of another frame");
       continue;
     }
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     r.config.model.radius = 0.05f;
     frame_check_run(&r.g, &r.config, &r.map.camera, &r.check);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -345,14 +333,8 @@ TEST_WITH_ORTHOGRAPHIC_CAMERA(steep_slats_have_no_findings) {
   for (size_t i = 0; i < PIXELS; i++)
     z[i] = (float)(slope * ((double)(i / WIDTH % SLAT) + 0.1) / d.s.camera.fy);
   d.options.normals = SPACE_CAMERA;
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_true(r.check.agreement > 0.999);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
-}
-
-int main(void) {
-  return run_with_dumps();
+  dump_done(&d, &r);
 }

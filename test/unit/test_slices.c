@@ -368,9 +368,7 @@ static void check_frame(setup *s, setup *all, const hbil_camera *before,
   if (before)
     free(t.old.words);
   free(t.anew.words);
-  exact_planes_free(&t.split);
-  exact_planes_free(&t.got);
-  exact_planes_free(&t.every);
+  planes_free(&t.split, &t.got, &t.every);
 }
 
 static void check_moving(hbil_reprojection reprojection,
@@ -581,8 +579,4 @@ TEST(numbers_that_do_not_fit_are_rejected) {
   assert_non_null(strstr(hbil_context_message(s.device->hbil),
                          "SLICES (sampling.slice_frames"));
   setup_free(&s);
-}
-
-int main(void) {
-  return run_with_device();
 }

@@ -91,8 +91,7 @@ TEST_WITH_BOTH_CAMERAS(sound_frames) {
     assert_true(c.scatter < 1e-4);
     assert_true(c.blur < 1e-4);
     assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -105,8 +104,7 @@ TEST_WITH_BOTH_CAMERAS(means_over_edges) {
     assert_true(c.edges > 100);
     assert_true(c.mixed > 0.7);
     assert_finding(&r, mean_text);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -121,8 +119,7 @@ TEST(large_pictures) {
     edges[size - 1] = c.edges;
     assert_true(c.mixed > 0.7);
     assert_finding(&r, mean_text);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
   /* about as many edges, not twice: measured 706 and 797 */
   assert_true(3 * edges[1] < 4 * edges[0] && 4 * edges[1] > 3 * edges[0]);
@@ -136,8 +133,7 @@ TEST(a_single_row_is_seen) {
     float *depth = dump_plane(&d, "depth.Z");
     for (size_t i = 0; i < 512 * 289; i++)
       depth[i] = row < 2 && i / 512 == row ? 2.0f : 0.0f;
-    dump_write(&d);
-    reading r = dump_read(&d);
+    reading r = dump_reading(&d);
     const surface_points s = surface_points_of(&r.g, &r.map.camera);
     assert_int_equal(surface_looks(&s), 145 * 512);
     const findings *found = &r.check.found;
@@ -146,8 +142,7 @@ TEST(a_single_row_is_seen) {
       none += strncmp(found->text[i], "no pixel has a depth", 20) == 0;
     assert_int_equal(none, row == 2);
     assert_true((r.check.surface > 0.0) == (row < 2));
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -165,8 +160,7 @@ TEST_WITH_BOTH_CAMERAS(means_without_normals) {
       assert_finding(&r, mean_text);
     else
       assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -178,8 +172,7 @@ TEST_WITH_BOTH_CAMERAS(scattered_depths) {
     const surface_check c = measure(&d, &r);
     assert_true(c.scatter > 0.15);
     assert_finding(&r, scatter_text);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
 }
 
@@ -196,8 +189,7 @@ TEST(halves) {
   reading r;
   measure(&d, &r);
   assert_no_findings(&r);
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* Positions are those of pixels to the left, as if the camera had turned while
@@ -222,11 +214,6 @@ TEST(blurred_positions) {
       assert_finding(&r, blur_text);
     else
       assert_no_findings(&r);
-    reading_free(&r);
-    dump_end(&d);
+    dump_done(&d, &r);
   }
-}
-
-int main(void) {
-  return run_with_dumps();
 }

@@ -49,16 +49,14 @@ TEST(the_richest_view_layer_is_read) {
   add_other(&d, "BG.only", "");
   add_picture(&d, "Foreground Layer", "");
   dump_add_plane(&d, "Composite.Combined", "R");
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.map.kind, DUMP_CYCLES);
   assert_string_equal(r.map.names[ROLE_DEPTH][0], "Foreground Layer.Depth.Z");
   assert_same_geometry(&d, &r, ROUNDING);
   assert_same_light(&d, &r);
   assert_guessed(&r, "view layer Foreground Layer is read, of BG.only, "
                      "Foreground Layer (--view-layer)");
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 TEST(another_view_layer_can_be_chosen) {
@@ -67,8 +65,7 @@ TEST(another_view_layer_can_be_chosen) {
   add_picture(&d, "A.b", "");
   add_other(&d, "B", "");
   d.options.view_layer = "B";
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_string_equal(r.map.names[ROLE_DEPTH][0], "B.Depth.Z");
   assert_int_equal(r.map.count[ROLE_DIRECT], 0);
   assert_guessed(&r, "");
@@ -96,8 +93,7 @@ TEST(another_view_layer_can_be_chosen) {
 TEST(a_single_view_layer_needs_no_word) {
   dump d = dump_begin(SCENE_ROOM);
   add_picture(&d, "View Layer", "");
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_guessed(&r, "");
   reading_free(&r);
   d.options.eye = "left";
@@ -112,8 +108,7 @@ TEST(eyes_are_read) {
   strcpy(d.img.views[d.img.view_count++], "right");
   add_other(&d, "ViewLayer", ".left");
   add_picture(&d, "ViewLayer", ".right");
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_int_equal(r.map.kind, DUMP_CYCLES);
   assert_string_equal(r.map.names[ROLE_DEPTH][0], "ViewLayer.Depth.left.Z");
   assert_guessed(&r, "eye left is read, of left, right (--eye)");
@@ -136,8 +131,7 @@ TEST(the_default_view_has_plain_names) {
   strcpy(d.img.views[d.img.view_count++], "second");
   add_picture(&d, "ViewLayer", "");
   add_other(&d, "ViewLayer", ".second");
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_same_geometry(&d, &r, ROUNDING);
   assert_same_light(&d, &r);
   reading_free(&r);
@@ -145,8 +139,7 @@ TEST(the_default_view_has_plain_names) {
   r = dump_read(&d);
   assert_string_equal(r.map.names[ROLE_DEPTH][0], "ViewLayer.Depth.second.Z");
   assert_int_equal(r.map.count[ROLE_DIRECT], 0); /* main has one */
-  reading_free(&r);
-  dump_end(&d);
+  dump_done(&d, &r);
 }
 
 /* FRAME.right.json is the right eye's camera, FRAME.json that of others. */
@@ -163,8 +156,7 @@ TEST(an_eye_has_its_own_camera) {
   snprintf(own, sizeof own, "%s/frame_0004.right.json", dump_folder);
   assert_int_equal(rename(all, own), 0);
   d.s.camera.cx -= 3;
-  dump_write(&d);
-  reading r = dump_read(&d);
+  reading r = dump_reading(&d);
   assert_true(fabs(r.camera.cx - d.s.camera.cx) < 1e-9);
   reading_free(&r);
   d.options.eye = "right";
@@ -199,10 +191,5 @@ TEST(a_cropped_border_is_rejected_with_the_fix) {
   assert_int_equal(camera_write(json, &camera, &error), 0);
   reading r = dump_read(&d);
   assert_same_geometry(&d, &r, ROUNDING);
-  reading_free(&r);
-  dump_end(&d);
-}
-
-int main(void) {
-  return run_with_dumps();
+  dump_done(&d, &r);
 }
