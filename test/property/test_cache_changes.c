@@ -40,13 +40,8 @@ typedef struct found {
 static found cache_of_rooms(const room *rooms, int count) {
   hbil_cache *cache = room_cache(&shared_device);
   found f = {0.0, 0};
-  for (int i = 0; i < count; ++i) {
-    hbil_view views[WALLS];
-    room_views(&shared_device, rooms + i, room_middle, 96, HBIL_VIEW_DIRECT,
-               views);
-    room_inject(&shared_device, cache, views, WALLS, 0);
-    room_views_free(views, WALLS);
-  }
+  for (int i = 0; i < count; ++i)
+    room_show(cache, rooms + i, 96, HBIL_VIEW_DIRECT, 0);
   f.surfaces = room_statistics(&shared_device, cache).surfaces;
   f.far_light = light_from(cache, rooms + count - 1, 0.0);
   hbil_cache_destroy(cache);
@@ -92,7 +87,7 @@ TEST(what_is_not_seen_follows_what_is) {
   for (int all = 0; all < 2; ++all) {
     const room before = room_lit();
     room after = before;
-    hbil_view views[WALLS], later[WALLS];
+    hbil_view later[WALLS];
     double light[2];
     for (int w = 0; w < WALLS; ++w)
       if (all || w == LEFT) {
@@ -101,11 +96,9 @@ TEST(what_is_not_seen_follows_what_is) {
       } else if (w == RIGHT)
         after.direct[w] *= 3.0f;
     hbil_cache *cache = room_cache(&shared_device);
-    room_views(&shared_device, &before, room_middle, 64, HBIL_VIEW_DIRECT,
-               views);
     room_views(&shared_device, &after, room_middle, 64, HBIL_VIEW_DIRECT,
                later);
-    room_inject(&shared_device, cache, views, WALLS, 0);
+    room_show(cache, &before, 64, HBIL_VIEW_DIRECT, 0);
     light[0] = light_from(cache, &before, 0.0);
     /* all but the lit wall behind and the dark one ahead */
     room_inject(&shared_device, cache, later, BEHIND, 0);
@@ -113,7 +106,6 @@ TEST(what_is_not_seen_follows_what_is) {
     check_at_most("light, of that before", light[1] / light[0],
                   all ? 0.4 : 1.2);
     assert_true(all || light[1] > 0.85 * light[0]); /* measured: .92 */
-    room_views_free(views, WALLS);
     room_views_free(later, WALLS);
     hbil_cache_destroy(cache);
   }
@@ -146,10 +138,9 @@ TEST(rooms_behind_a_wall_are_apart) {
 }
 
 /* A cache that has seen all of a room. */
-static hbil_cache *cache_of(const room *r, hbil_view views[WALLS]) {
+static hbil_cache *cache_of(const room *r) {
   hbil_cache *cache = room_cache(&shared_device);
-  room_views(&shared_device, r, room_middle, 64, HBIL_VIEW_DIRECT, views);
-  room_inject(&shared_device, cache, views, WALLS, 4);
+  room_show(cache, r, 64, HBIL_VIEW_DIRECT, 4);
   return cache;
 }
 
@@ -170,8 +161,7 @@ TEST(what_is_told_needs_no_view) {
   const room before = room_lit();
   const hbil_camera camera =
       room_camera(eye, AHEAD, ROOM_WIDTH, ROOM_HEIGHT, 75.0);
-  hbil_view views[WALLS];
-  hbil_cache *cache = cache_of(&before, views);
+  hbil_cache *cache = cache_of(&before);
   double light[2];
   setup s;
   for (int i = 0; i < 2; ++i) {
@@ -187,7 +177,6 @@ TEST(what_is_told_needs_no_view) {
   }
   assert_true(light[0] > 0.05);
   check_at_most("light, of that before", light[1] / light[0], 0.02);
-  room_views_free(views, WALLS);
   hbil_cache_destroy(cache);
 }
 
@@ -197,8 +186,7 @@ TEST(what_is_told_reaches_what_frames_hand_on) {
   const room lit = room_lit();
   const hbil_camera camera =
       room_camera(eye, BEHIND, ROOM_WIDTH, ROOM_HEIGHT, 120.0);
-  hbil_view views[WALLS];
-  hbil_cache *cache = cache_of(&lit, views);
+  hbil_cache *cache = cache_of(&lit);
   double light[3];
   setup s;
   room_setup(&s, &lit, &camera, ROOM_WIDTH, ROOM_HEIGHT);
@@ -223,7 +211,6 @@ TEST(what_is_told_reaches_what_frames_hand_on) {
   assert_true(light[1] > 0.05);
   check_at_most("light, of that before", light[2] / light[1], 1e-3);
   setup_free(&s);
-  room_views_free(views, WALLS);
   hbil_cache_destroy(cache);
 }
 

@@ -88,9 +88,7 @@ static cl_command_queue next_queue(order *o, bool chained) {
 static void run_sequence(order *o, cl_event gate) {
   const setup *s = &o->plans[0];
   const bool chained = !gate;
-  hbil_cache_update update;
-  hbil_cache_update_init(&update);
-  update.bounces = 2;
+  hbil_cache_update update = cache_bounces(2);
   assert_success(s, hbil_enqueue_cache_reset(o->cache, next_queue(o, chained),
                                              gate ? 1 : 0, gate ? &gate : NULL,
                                              NULL));

@@ -140,11 +140,8 @@ static room furnace(void) {
 
 static hbil_cache *cache_of_furnace(void) {
   const room r = furnace();
-  hbil_view views[WALLS];
   hbil_cache *cache = room_cache(&shared_device);
-  room_views(&shared_device, &r, middle, 64, HBIL_VIEW_FINISHED, views);
-  room_inject(&shared_device, cache, views, WALLS, 0);
-  room_views_free(views, WALLS);
+  room_show(cache, &r, 64, HBIL_VIEW_FINISHED, 0);
   return cache;
 }
 
@@ -257,7 +254,6 @@ TEST(a_lit_wall_behind_the_camera_lights_the_frame) {
 TEST(bounces_come_to_their_sum) {
   const double eye[3] = {0.1, 0.2, -1.0};
   room r = room_dark();
-  hbil_view views[WALLS];
   setup s;
   r.albedo = 0.8f;
   for (int i = 0; i < WALLS; ++i)
@@ -266,8 +262,7 @@ TEST(bounces_come_to_their_sum) {
   s.config.model.radius = 1e-3f;
   setup_start(&s);
   s.frame.cache = room_cache(&shared_device);
-  room_views(&shared_device, &r, middle, 64, HBIL_VIEW_DIRECT, views);
-  room_inject(&shared_device, s.frame.cache, views, WALLS, 0);
+  room_show(s.frame.cache, &r, 64, HBIL_VIEW_DIRECT, 0);
   exact_planes first = room_outputs(&s);
   /* rays that pass through what no view has seen lack (measured: 0.051)
    */
@@ -277,7 +272,6 @@ TEST(bounces_come_to_their_sum) {
   check_at_most("200 bounces, off the sum", fabs(mean_of(&last) / 4.0 - 1.0),
                 0.08);
   planes_free(&first, &last);
-  room_views_free(views, WALLS);
   hbil_cache_destroy(s.frame.cache);
   setup_free(&s);
 }
@@ -297,15 +291,13 @@ static double mean_after(setup *s, cl_uint bounces, double *largest) {
 TEST(bounces_are_bounded) {
   const double eye[3] = {0.1, 0.2, -1.0};
   room r = room_dark();
-  hbil_view views[WALLS];
   setup s;
   r.albedo = 0.8f;
   r.direct[BEHIND] = 1.0f;
   start(&s, &r, eye, 90.0);
   setup_start(&s);
   s.frame.cache = room_cache(&shared_device);
-  room_views(&shared_device, &r, middle, 64, HBIL_VIEW_DIRECT, views);
-  room_inject(&shared_device, s.frame.cache, views, WALLS, 0);
+  room_show(s.frame.cache, &r, 64, HBIL_VIEW_DIRECT, 0);
   double largest = 0.0, before = mean_after(&s, 10, &largest);
   for (int i = 11; i <= 15; ++i) {
     const double now = mean_after(&s, 1, &largest);
@@ -318,7 +310,6 @@ TEST(bounces_are_bounded) {
   const double last = mean_after(&s, 100, &largest);
   assert_true(last == before); /* as far as words tell */
   check_at_most("largest E over direct / (1 - albedo)", largest / 5.0, 1.0);
-  room_views_free(views, WALLS);
   hbil_cache_destroy(s.frame.cache);
   setup_free(&s);
 }

@@ -136,9 +136,8 @@ static void check(hbil_feedback feedback, hbil_far_field far_field,
   /* the history and the cache are there */
   assert_true(largest_value(&want[1], EXACT_FAR_IRRADIANCE, 3) > 0.01);
   assert_true(worst(&want[1], &want[0], 1.0f) > 0.01);
-  for (int i = 0; i < FRAMES; ++i) {
+  for (int i = 0; i < FRAMES; ++i)
     planes_free(&want[i], &got[i]);
-  }
   setup_free(&s);
 }
 

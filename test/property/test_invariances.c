@@ -149,9 +149,7 @@ static exact_planes frames_in_world(const double turn[9],
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
   }
-  exact_planes out = outputs_read(&s);
-  setup_free(&s);
-  return out;
+  return last_outputs(&s);
 }
 
 /* Derived: the turned normals are rounded once more, by 6e-8. Measured:
@@ -191,9 +189,7 @@ static exact_planes frames_of_world(float z) {
     setup_upload(&s);
     setup_run(&s, hbil_enqueue_frame);
   }
-  exact_planes out = outputs_read(&s);
-  setup_free(&s);
-  return out;
+  return last_outputs(&s);
 }
 
 /* Exact: every product with z has the same two signs once more. */

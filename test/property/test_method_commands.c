@@ -4,6 +4,7 @@
  * memory, moves, resets, saved caches, frames of a pixel, OpenCL calls that
  * fail, and what is rejected.
  */
+#include "test/support/cache.h"
 #include "test/support/fault.h"
 #include "test/support/room.h"
 
@@ -138,14 +139,12 @@ TEST(an_empty_cache_tells_nothing) {
  * light doesn't spread from cell to cell. */
 TEST(moves_leave_the_world_in_its_place) {
   for (hbil_cache_method p = first_method; p <= last_method; ++p) {
-    hbil_cache_update update;
+    hbil_cache_update update = cache_bounces(0);
     scene t;
     start(&t, p, 97, 61);
     exact_planes before = lit_outputs(&t);
     move(&t, 0.5);
     exact_planes moved = room_outputs(&t.s);
-    hbil_cache_update_init(&update);
-    update.bounces = 0;
     assert_success(&t.s, hbil_enqueue_cache_update(t.s.frame.cache,
                                                    shared_device.queue, &update,
                                                    0, NULL, NULL));

@@ -207,9 +207,7 @@ TEST(a_lit_disc_lights_what_faces_it) {
 
 static void update(hbil_cache *cache, hbil_far_field far_field, float radiance,
                    cl_uint steps) {
-  hbil_cache_update u;
-  hbil_cache_update_init(&u);
-  u.bounces = 0;
+  hbil_cache_update u = cache_bounces(0);
   u.steps = steps;
   u.far_field = far_field;
   for (int c = 0; c < 3; ++c)

@@ -138,8 +138,3 @@ TEST(horizons_from_the_tangent_plane_to_the_zenith) {
     print_message("horizons | gather: AO | %.3g | %.3g\n", worst * 0x1p24,
                   mean / count * 0x1p24);
 }
-
-int main(void) {
-  stress_read_effort();
-  return run_with_device();
-}

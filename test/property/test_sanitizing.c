@@ -245,8 +245,3 @@ TEST(counts_need_a_frame) {
   assert_int_equal(hbil_plan_sanitized(s->plan, queue, &out),
                    HBIL_INVALID_ARGUMENT);
 }
-
-int main(void) {
-  stress_read_effort();
-  return run_with_device();
-}

@@ -197,8 +197,3 @@ TEST(long_sequences_take_no_memory) {
              (double)mallinfo2().uordblks - (double)before, 65536.0);
   check_sane(s);
 }
-
-int main(void) {
-  stress_read_effort();
-  return run_with_device();
-}

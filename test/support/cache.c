@@ -55,6 +55,12 @@ void cache_free(cache_fixture *f) {
   hbil_context_destroy(f->context);
 }
 
+void cache_end(cache_fixture *f, setup *s, exact_cache *cache) {
+  setup_free(s);
+  cache_free(f);
+  exact_cache_free(cache);
+}
+
 static void check(const cache_fixture *f, hbil_status status) {
   if (status != HBIL_SUCCESS)
     fail_msg("%s: %s", hbil_status_string(status),
@@ -79,6 +85,13 @@ void cache_inject(cache_fixture *f, const setup *s, hbil_view_light light) {
 void cache_update(cache_fixture *f, const hbil_cache_update *update) {
   check(f, hbil_enqueue_cache_update(f->cache, shared_device.queue, update, 0,
                                      NULL, NULL));
+}
+
+hbil_cache_update cache_bounces(cl_uint bounces) {
+  hbil_cache_update update;
+  hbil_cache_update_init(&update);
+  update.bounces = bounces;
+  return update;
 }
 
 void cache_touch(cache_fixture *f) {

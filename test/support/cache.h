@@ -37,6 +37,8 @@ void cache_prepare(cache_fixture *f, cl_uint vector_width);
 /* Creates the cache for views like those of the setup. */
 void cache_start(cache_fixture *f, const setup *like);
 void cache_free(cache_fixture *f);
+/* Frees all three. */
+void cache_end(cache_fixture *f, setup *s, exact_cache *cache);
 
 /* A view of a scene, on the device.  The world is turned, so that no surface
  * lies along voxels.  Its planes are those of s->frame and s->input; it has no
@@ -51,6 +53,8 @@ void view_prepare(setup *s, scene_kind kind, int width, int height,
 hbil_view cache_view(const setup *s, hbil_view_light light);
 void cache_inject(cache_fixture *f, const setup *s, hbil_view_light light);
 void cache_update(cache_fixture *f, const hbil_cache_update *update);
+/* An update by default, but for the number of bounces. */
+hbil_cache_update cache_bounces(cl_uint bounces);
 void cache_move(cache_fixture *f, const double centre[3]);
 
 /* Makes the next update do all its work, also where only a test has changed

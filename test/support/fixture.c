@@ -385,6 +385,12 @@ exact_planes frame_outputs(setup *s) {
   return outputs_read(s);
 }
 
+exact_planes last_outputs(setup *s) {
+  exact_planes out = outputs_read(s);
+  setup_free(s);
+  return out;
+}
+
 exact_planes first_outputs(setup *s) {
   setup_start(s);
   return frame_outputs(s);

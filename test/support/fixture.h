@@ -119,6 +119,8 @@ void assert_success(const setup *s, hbil_status status);
 exact_planes outputs_read(setup *s);
 /* Those of the next frame, which must succeed. */
 exact_planes frame_outputs(setup *s);
+/* Ends the setup, too. */
+exact_planes last_outputs(setup *s);
 /* Starts, and returns those of the first frame. */
 exact_planes first_outputs(setup *s);
 /* Compares every output of the plan with `want`: relative RMSE of at most 1e-4

@@ -58,9 +58,7 @@ void lit_draw_factors(uint64_t seed, float ratios[HBIL_CACHE_REGIONS]) {
 }
 
 void lit_fall(lit_frame *l, const float ratios[HBIL_CACHE_REGIONS]) {
-  hbil_cache_update none;
-  hbil_cache_update_init(&none);
-  none.bounces = 0;
+  hbil_cache_update none = cache_bounces(0);
   cache_touch(&l->f);
   cache_update(&l->f, &none);
   buffer_write(&shared_device, cache_memory(CACHE_RATIOS), 0,

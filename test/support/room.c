@@ -1,4 +1,5 @@
 #include "test/support/room.h"
+#include "test/support/cache.h"
 
 room room_dark(void) {
   return (room){.half = {1.6, 1.2, 1.8}, .albedo = 0.5f};
@@ -221,12 +222,18 @@ void room_views_free(hbil_view *views, int count) {
 
 void room_inject(const device_fixture *d, hbil_cache *cache,
                  const hbil_view *views, cl_uint count, cl_uint bounces) {
-  hbil_cache_update update;
-  hbil_cache_update_init(&update);
-  update.bounces = bounces;
+  hbil_cache_update update = cache_bounces(bounces);
   must(d,
        hbil_enqueue_cache_inject(cache, d->queue, views, count, 0, NULL, NULL));
   must(d, hbil_enqueue_cache_update(cache, d->queue, &update, 0, NULL, NULL));
+}
+
+void room_show(hbil_cache *cache, const room *r, int size,
+               hbil_view_light light, cl_uint bounces) {
+  hbil_view views[WALLS];
+  room_views(&shared_device, r, room_middle, size, light, views);
+  room_inject(&shared_device, cache, views, WALLS, bounces);
+  room_views_free(views, WALLS);
 }
 
 hbil_cache_counts room_statistics(const device_fixture *d, hbil_cache *cache) {

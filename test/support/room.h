@@ -56,6 +56,9 @@ void room_view_free(hbil_view *view);
 void room_views(const device_fixture *d, const room *r, const double eye[3],
                 int size, hbil_view_light light, hbil_view views[WALLS]);
 void room_views_free(hbil_view *views, int count);
+/* Shows them to a cache, from the middle, and updates it. */
+void room_show(hbil_cache *cache, const room *r, int size,
+               hbil_view_light light, cl_uint bounces);
 
 /* Injects and updates, and must succeed. */
 void room_inject(const device_fixture *d, hbil_cache *cache,

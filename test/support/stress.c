@@ -7,7 +7,7 @@
 stress_settings stress_effort = {1, 0.0};
 char stress_case[2048];
 
-void stress_read_effort(void) {
+__attribute__((constructor)) static void read_effort(void) {
   const char *seed = getenv("HBIL_STRESS_SEED");
   const char *seconds = getenv("HBIL_STRESS_SECONDS");
   if (seed)

@@ -24,9 +24,8 @@ typedef struct stress_settings {
   double seconds; /* 0: the short form of `make check` */
 } stress_settings;
 
+/* Read from the environment before main() runs. */
 extern stress_settings stress_effort;
-/* Reads the environment. */
-void stress_read_effort(void);
 
 /* The case that is being tried, for the message of a failure. */
 extern char stress_case[2048];

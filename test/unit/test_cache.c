@@ -364,12 +364,9 @@ static void move_to(const setup *s, double x, double y, double z) {
 
 static exact_planes start_with_views(setup *s) {
   const room r = lit_room();
-  hbil_view views[WALLS];
   start(s);
   s->frame.cache = room_cache(&shared_device);
-  room_views(&shared_device, &r, middle, 48, HBIL_VIEW_DIRECT, views);
-  room_inject(&shared_device, s->frame.cache, views, WALLS, 2);
-  room_views_free(views, WALLS);
+  room_show(s->frame.cache, &r, 48, HBIL_VIEW_DIRECT, 2);
   exact_planes out = room_outputs(s);
   assert_true(largest_value(&out, EXACT_FAR_IRRADIANCE, 3) > 0.01);
   return out;

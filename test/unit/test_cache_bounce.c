@@ -152,9 +152,7 @@ static void check_rounds(cl_uint width, scene_kind kind, hbil_view_light light,
     phases |= i ? 1 << phase : 0;
   }
   assert_int_equal(phases, 7);
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
+  cache_end(&f, &s, &cache);
 }
 
 TEST(rounds_match_at_every_width) {
@@ -180,11 +178,9 @@ static void check_change(cl_uint width, float factor, double part, int views,
                          bool dims) {
   cache_fixture f;
   setup s;
-  hbil_cache_update none;
+  hbil_cache_update none = cache_bounces(0);
   int dimmed = 0, seen = 0;
   double worst = 0.0;
-  hbil_cache_update_init(&none);
-  none.bounces = 0;
   exact_cache cache = filled(&f, width, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
   cache_inject(&f, &s, HBIL_VIEW_DIRECT);
   cache_update(&f, &none);
@@ -232,9 +228,7 @@ static void check_change(cl_uint width, float factor, double part, int views,
              (double)factor, views);
   exact_cache_free(&got);
   exact_cache_free(&want);
-  exact_cache_free(&cache);
-  setup_free(&s);
-  cache_free(&f);
+  cache_end(&f, &s, &cache);
 }
 
 TEST(what_is_not_seen_follows_what_is) {
@@ -314,9 +308,7 @@ static void check_forgotten(hbil_view_light kind, float surfaces, float light,
   assert_true(half > 0.0 ? same > 50 : same == 0);
   exact_cache_free(&got);
   exact_cache_free(&want);
-  exact_cache_free(&cache);
-  setup_free(&s);
-  cache_free(&f);
+  cache_end(&f, &s, &cache);
 }
 
 TEST(what_is_told_is_forgotten) {
@@ -455,9 +447,7 @@ TEST(light_comes_to_rest) {
   assert_true(rests(&f, &update));
   cache_inject(&f, &s, HBIL_VIEW_DIRECT);
   assert_false(rests(&f, &update));
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
+  cache_end(&f, &s, &cache);
 }
 
 /* --- rays in turn --- */
@@ -478,9 +468,7 @@ static uint32_t *argument_bytes(cl_uint index) {
 /* An update of one bounce. */
 static traced trace(cache_fixture *f) {
   traced t;
-  hbil_cache_update update;
-  hbil_cache_update_init(&update);
-  update.bounces = 1;
+  hbil_cache_update update = cache_bounces(1);
   cache_update(f, &update);
   shim_argument("trace_rays", 0, sizeof t.args, &t.args);
   t.list = argument_bytes(3);
@@ -590,9 +578,7 @@ TEST(rays_are_traced_in_turn) {
   free(states);
   setup_free(&another);
   setup_free(&other);
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
+  cache_end(&f, &s, &cache);
 }
 
 /* --- static views --- */
@@ -638,9 +624,7 @@ TEST(static_views_are_injected_until_means_settle) {
   assert_false(injects(&f, &s, CL_TRUE));
   s.frame.exposure = 2.0f; /* another one isn't static */
   assert_true(injects(&f, &s, CL_TRUE));
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
+  cache_end(&f, &s, &cache);
 }
 
 /* --- more surfaces than hits --- */
@@ -697,8 +681,6 @@ TEST(many_surfaces_have_fewer_rays) {
     cache_update(&f, &update);
     update.bounces = 1;
     check_round(&f, &cache, &update, CROWDED_RAYS * cases[i].rays);
-    setup_free(&s);
-    cache_free(&f);
-    exact_cache_free(&cache);
+    cache_end(&f, &s, &cache);
   }
 }

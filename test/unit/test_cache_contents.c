@@ -2,6 +2,7 @@
  * What a cache knows: views that are odd but valid do no harm, nothing is shown
  * before an update, and saved bytes bring all of it back.
  */
+#include "test/support/cache.h"
 #include "test/support/room.h"
 #include "test/support/shim.h"
 
@@ -73,9 +74,7 @@ TEST(views_of_other_places_change_nothing) {
     hbil_view view = t.views[AHEAD];
     view.camera.world_from_view[11] += far_away[i];
     assert_success(&t.s, room_try(&t, &view, 1, NULL));
-    hbil_cache_update u;
-    hbil_cache_update_init(&u);
-    u.bounces = 0;
+    hbil_cache_update u = cache_bounces(0);
     assert_success(&t.s, hbil_enqueue_cache_update(t.s.frame.cache,
                                                    shared_device.queue, &u, 0,
                                                    NULL, NULL));

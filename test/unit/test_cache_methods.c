@@ -245,13 +245,11 @@ static void check_volumes(cl_uint width, cl_uint voxels,
                           hbil_far_field far_field) {
   cache_fixture f;
   exact_cache cache;
-  hbil_cache_update update;
+  hbil_cache_update update = cache_bounces(0);
   setup sky;
   double off[2];
   filled(&f, &cache, HBIL_CACHE_METHOD_LPV, width, voxels);
   lit_environment(&sky);
-  hbil_cache_update_init(&update);
-  update.bounces = 0;
   update.far_field = far_field;
   memcpy(update.environment, sky.frame.environment, sizeof update.environment);
   update.steps = 7;

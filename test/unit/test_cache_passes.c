@@ -177,9 +177,7 @@ TEST(of_large_views_some_pixels_are_read) {
   view_start(&s, SCENE_ROOM, 1024, 600, 0, HBIL_PROJECTION_PERSPECTIVE);
   cache_start(&f, &s);
   check_injection(&f, &cache, &s, HBIL_VIEW_DIRECT);
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
+  cache_end(&f, &s, &cache);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -225,9 +223,7 @@ TEST(what_stays_inside_has_its_values) {
     if (i < 3)
       check_injection(&f, &cache, &s, HBIL_VIEW_DIRECT);
   }
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
+  cache_end(&f, &s, &cache);
 }
 
 /* ------------------------------------------------------------------------ */
@@ -300,8 +296,6 @@ TEST(ways_are_the_finest_state_that_is_known) {
     cache_fill(&f, &cache, (scene_kind)kind, HBIL_VIEW_DIRECT, &s);
     cache_update(&f, &none);
     check_ways(&cache);
-    setup_free(&s);
-    cache_free(&f);
-    exact_cache_free(&cache);
+    cache_end(&f, &s, &cache);
   }
 }

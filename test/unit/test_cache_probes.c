@@ -76,11 +76,9 @@ static void check_filter(lit_frame *l) {
  * rest, and all the less, the more rays go to the sky. */
 static void see_sky(lit_frame *l) {
   const int n = (int)l->f.config.voxels;
-  hbil_cache_update none;
+  hbil_cache_update none = cache_bounces(0);
   size_t bytes;
   unsigned char *states = cache_read(CACHE_STATES, &bytes);
-  hbil_cache_update_init(&none);
-  none.bounces = 0;
   for (size_t i = 0; i < 4 * bytes; ++i) {
     const int shift = 2 * (int)(i % 4);
     const bool unseen = (states[i / 4] >> shift & 3) == HBIL_VOXEL_UNKNOWN;
@@ -267,9 +265,7 @@ static void check_falling(cl_uint width, hbil_projection projection,
   setup_start(&l.s);
   setup_run(&l.s, hbil_enqueue_frame);
   l.s.frame.static_frame = is_static;
-  hbil_cache_update none;
-  hbil_cache_update_init(&none);
-  none.bounces = 0;
+  hbil_cache_update none = cache_bounces(0);
   for (int i = 0; i < 4; ++i) {
     /* Frames behind an update; behind none; behind one more, without new views;
      * behind a reset. */

@@ -195,9 +195,7 @@ TEST(rays_end_where_exact_rays_end) {
   for (int kind = 0; kind < SCENE_KINDS; ++kind) {
     cache_fixture f;
     setup s;
-    hbil_cache_update none;
-    hbil_cache_update_init(&none);
-    none.bounces = 0;
+    hbil_cache_update none = cache_bounces(0);
     cache_prepare(&f, 8);
     exact_cache cache = checked_cache(&f);
     cache_fill(&f, &cache, (scene_kind)kind, HBIL_VIEW_DIRECT, &s);
@@ -208,9 +206,7 @@ TEST(rays_end_where_exact_rays_end) {
       follow(width, b);
       compare(&cache, b, kind == SCENE_SKY);
     }
-    setup_free(&s);
-    cache_free(&f);
-    exact_cache_free(&cache);
+    cache_end(&f, &s, &cache);
   }
   free(b);
 }
@@ -220,12 +216,10 @@ TEST(rays_end_where_exact_rays_end) {
 TEST(rays_enter_the_finest_level) {
   cache_fixture f;
   setup s;
-  hbil_cache_update none;
+  hbil_cache_update none = cache_bounces(0);
   size_t bytes;
   bundle *b = calloc(1, sizeof *b);
   assert_non_null(b);
-  hbil_cache_update_init(&none);
-  none.bounces = 0;
   cache_prepare(&f, 16);
   exact_cache cache = checked_cache(&f);
   cache_fill(&f, &cache, SCENE_ROOM, HBIL_VIEW_DIRECT, &s);
@@ -241,9 +235,7 @@ TEST(rays_enter_the_finest_level) {
   follow(16, b);
   compare(&cache, b, false);
   free(states);
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
+  cache_end(&f, &s, &cache);
   free(b);
 }
 
@@ -305,9 +297,7 @@ TEST(saved_bytes_hold_the_same_surfaces) {
   compare_saved(&saved, &cache, b);
   free(bytes);
   free(b);
-  setup_free(&s);
-  cache_free(&f);
-  exact_cache_free(&cache);
+  cache_end(&f, &s, &cache);
 }
 
 /* ------------------------------------------------------------------------ */

@@ -61,8 +61,3 @@ TEST(passes_match_with_any_settings) {
     check(&s, &d);
   }
 }
-
-int main(void) {
-  stress_read_effort();
-  return run_with_device();
-}

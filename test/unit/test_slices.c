@@ -406,27 +406,17 @@ static void check_moving(hbil_reprojection reprojection,
     setup_free(&s[i]);
 }
 
-TEST(a_moving_camera_is_followed) {
+/* A camera that moves, also by single pixels and at half resolution; motion
+ * vectors; an orthographic camera. */
+TEST(what_moves_is_followed) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0, 3,
                HBIL_RESOLUTION_FULL);
-}
-
-TEST(single_pixels_follow_a_moving_camera) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 1, 2,
                HBIL_RESOLUTION_FULL);
-}
-
-TEST(half_resolution_follows_a_moving_camera) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_PERSPECTIVE, 0, 2,
                HBIL_RESOLUTION_HALF);
-}
-
-TEST(motion_vectors_are_followed) {
   check_moving(HBIL_REPROJECTION_MOTION, HBIL_PROJECTION_PERSPECTIVE, 0, 2,
                HBIL_RESOLUTION_FULL);
-}
-
-TEST(an_orthographic_camera_is_followed) {
   check_moving(HBIL_REPROJECTION_NONE, HBIL_PROJECTION_ORTHOGRAPHIC, 0, 4,
                HBIL_RESOLUTION_FULL);
 }
