@@ -271,8 +271,9 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  * and the next frame's static_frame is ignored, as in a plan's first frame.  A
  * call in which `last` is `plan` changes nothing.
  *
- * `last` must live, and run no frame, until that frame is enqueued.  A frame
- * that is a rectangle of larger planes has these planes' offset and row_pitch
+ * `last` may be destroyed at once; its memory is released when that frame is
+ * enqueued.  Otherwise it must run no frame before.  A frame that is a
+ * rectangle of larger planes has these planes' offset and row_pitch
  * (hbil_plane).  HBIL_INVALID_ARGUMENT if one of both is null, or their light
  * isn't of one kind (another context, projection, storage or feedback, or one
  * of them has no history), or `last` has had no frame since it followed another

@@ -134,7 +134,9 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
     return status;
   chain.events = event || !chain.in_order || chain.times;
   chain.line[1] = frame.cache ? &frame.cache->line : NULL;
-  chain.line[2] = plan->followed ? &plan->followed->line : NULL;
+  hbil_plan *const followed = plan->followed; /* until its line is not needed */
+  plan_retain(followed);
+  chain.line[2] = followed ? &followed->line : NULL;
   if (range.first == HBIL_PASS_REPROJECT)
     forget_times(&plan->times);
   status = begin_commands(&chain, wait_count, wait_list);
@@ -149,6 +151,7 @@ static hbil_status enqueue(const char *function, hbil_plan *plan,
   if (status == HBIL_SUCCESS)
     status = finish_commands(&chain, event);
   end_commands(&chain);
+  plan_release(followed);
   return status;
 }
 

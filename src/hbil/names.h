@@ -134,6 +134,8 @@
 #define read_memory hbil_internal_read_memory
 #define read_texels hbil_internal_read_texels
 #define plan_bounces hbil_internal_plan_bounces
+#define plan_release hbil_internal_plan_release
+#define plan_retain hbil_internal_plan_retain
 #define remember_frame hbil_internal_remember_frame
 #define remove_exposure hbil_internal_remove_exposure
 #define rigid_error hbil_internal_rigid_error

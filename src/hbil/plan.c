@@ -1,6 +1,7 @@
 /* A plan's state: what a frame leaves to the next one, and its stages. */
 #include "plan.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "camera.h"
@@ -50,7 +51,31 @@ hbil_status clear_counts(const hbil_plan *plan, commands *chain, int first,
                      (size_t)words * sizeof(cl_uint));
 }
 
+void plan_retain(hbil_plan *plan) {
+  if (plan)
+    ++plan->references;
+}
+
+void plan_release(hbil_plan *plan) {
+  if (!plan || --plan->references)
+    return;
+  forget_times(&plan->times);
+  kernels_release(&plan->kernels);
+  kernels_release(&plan->ao.kernels);
+  buffers_release(plan->buffers, BUFFER_COUNT);
+  timeline_end(&plan->line);
+  context_release(plan->context);
+  free(plan);
+}
+
 /* --- the last frame --- */
+
+/* other: NULL: the next frame goes on with the plan's own light. */
+static void follow(hbil_plan *plan, hbil_plan *other) {
+  plan_retain(other);
+  plan_release(plan->followed);
+  plan->followed = other;
+}
 
 int next_history(const hbil_plan *plan) {
   return plan->layout.bytes[BUFFER_HISTORY_NEXT]
@@ -93,7 +118,7 @@ void remember_frame(hbil_plan *plan, const hbil_frame *frame) {
     plan->history = next_history(plan) - BUFFER_HISTORY;
     plan->history_camera = frame->camera;
   }
-  plan->followed = NULL;
+  follow(plan, NULL);
   plan->adopted = false;
   alternate(&plan->slices, frame, !plan->searched_all);
   alternate(&plan->probes, frame, frame->cache && carries_over(plan));
@@ -104,7 +129,7 @@ void hbil_plan_reset(hbil_plan *plan) {
     return;
   plan->has_history = plan->has_last = plan->slices.has = plan->probes.has =
       plan->adopted = false;
-  plan->followed = NULL;
+  follow(plan, NULL);
 }
 
 /* Why a plan's light means nothing to another plan; NULL: it does. */
@@ -139,7 +164,7 @@ hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last) {
     plan->has_history = true;
     plan->bounces = last->bounces;
     plan->history_camera = last->history_camera;
-    plan->followed = last;
+    follow(plan, last);
     plan->adopted = last->adopted;
   }
   return HBIL_SUCCESS;

@@ -113,6 +113,7 @@ typedef struct step_table {
 } step_table;
 
 struct hbil_plan {
+  int references; /* of the caller and of each plan that follows it */
   hbil_context *context;
   hbil_config config; /* formats: as the passes see them (staging.h) */
   layout layout;
@@ -131,7 +132,7 @@ struct hbil_plan {
   /* else the cache of that frame, which may be gone, and its `changes` then */
   const hbil_cache *last_cache;
   cl_uint last_cache_changes;
-  /* the plan whose history the next frame reads; NULL: its own */
+  /* the plan whose history the next frame reads, retained; NULL: its own */
   hbil_plan *followed;
   alternating slices, probes;
   /* the last frame that was composed */
@@ -186,6 +187,10 @@ int next_history(const hbil_plan *plan);
 
 /* The value of hbil_last_frame.bounces. */
 cl_uint plan_bounces(const hbil_plan *plan);
+
+/* NULL is allowed. */
+void plan_retain(hbil_plan *plan);
+void plan_release(hbil_plan *plan);
 
 /* Makes the frame the plan's last one, when all its passes are enqueued. */
 void remember_frame(hbil_plan *plan, const hbil_frame *frame);

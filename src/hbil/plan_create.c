@@ -214,6 +214,7 @@ static hbil_status create(hbil_context *context, const hbil_config *config,
   hbil_plan *plan = calloc(1, sizeof *plan);
   if (!plan)
     return fail(context, HBIL_OUT_OF_HOST_MEMORY, "no memory for a plan");
+  plan->references = 1;
   plan->context = context;
   context_retain(context);
   plan->config = resolved;
@@ -259,13 +260,6 @@ hbil_status hbil_plan_create_in(hbil_context *context,
 }
 
 void hbil_plan_destroy(hbil_plan *plan) {
-  if (!plan)
-    return;
-  forget_times(&plan->times);
-  kernels_release(&plan->kernels);
-  kernels_release(&plan->ao.kernels);
-  buffers_release(plan->buffers, BUFFER_COUNT);
-  timeline_end(&plan->line);
-  context_release(plan->context);
-  free(plan);
+  hbil_plan_reset(plan);
+  plan_release(plan);
 }
