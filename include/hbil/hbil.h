@@ -274,10 +274,11 @@ HBIL_API void hbil_plan_reset(hbil_plan *plan);
  * `last` may be destroyed at once; its memory is released when that frame is
  * enqueued.  Otherwise it must run no frame before.  A frame that is a
  * rectangle of larger planes has these planes' offset and row_pitch
- * (hbil_plane).  HBIL_INVALID_ARGUMENT if one of both is null, or their light
- * isn't of one kind (another context, projection, storage or feedback, or one
- * of them has no history), or `last` has had no frame since it followed another
- * plan (also if `last` is `plan`); `plan` is then as before.
+ * (hbil_plane).  If `last` has had no frame since it followed another plan,
+ * that one is followed; if it has had none at all, the next frame is a first
+ * one.  HBIL_INVALID_ARGUMENT if one of both is null, or their light isn't of
+ * one kind (another context, projection, storage or feedback, or one of them
+ * carries no light over); `plan` is then as before.
  */
 HBIL_API hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last);
 

@@ -154,17 +154,17 @@ hbil_status hbil_plan_follow(hbil_plan *plan, hbil_plan *last) {
                 "last: a plan of other %s; plans that differ in size, sampling "
                 "and outputs can follow one another",
                 differs);
-  if (last->followed)
-    return fail(plan->context, HBIL_INVALID_ARGUMENT,
-                "last: has had no frame since it followed a plan itself");
   if (plan == last)
     return HBIL_SUCCESS;
   hbil_plan_reset(plan);
   if (last->has_history) {
+    /* without a frame of its own, it has the light of the plan that it follows,
+     * which may be this one */
+    hbil_plan *const owner = last->followed ? last->followed : last;
     plan->has_history = true;
     plan->bounces = last->bounces;
     plan->history_camera = last->history_camera;
-    follow(plan, last);
+    follow(plan, owner == plan ? NULL : owner);
     plan->adopted = last->adopted;
   }
   return HBIL_SUCCESS;
