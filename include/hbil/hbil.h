@@ -195,7 +195,7 @@ HBIL_API hbil_status hbil_context_set_program_store(hbil_context *context,
 /* The same with a folder as the store: a file KEY.bin for each program.  Files
  * appear whole or not at all, so any number of processes may share the folder.
  * They are never removed.  It is used when plans and radiance caches are
- * created.  While it doesn't exist, programs are built as without it, and a
+ * created.  While it doesn't exist, programs are built as without it, and one
  * warning says that they can't be stored. */
 HBIL_API hbil_status hbil_context_set_program_folder(hbil_context *context,
                                                      const char *folder);

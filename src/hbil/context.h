@@ -37,6 +37,7 @@ struct hbil_context {
     hbil_program_store store;
     void *user;
     char *folder;    /* of folder.c; NULL: a store of the caller's */
+    bool warned;     /* that something could not be stored there */
     cl_ulong device; /* a hash of what the binaries depend on */
   } programs;
   /* shared_programs.h; without gaps from the start until all are taken */

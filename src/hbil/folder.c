@@ -63,9 +63,13 @@ static void store_file(void *user, const char *key, const void *data,
     if (!stored)
       remove(temporary);
   }
-  if (!stored)
-    warn(context, "%s cannot be stored in the folder %s: %s", key,
-         context->programs.folder, why ? strerror(why) : "write error");
+  /* the others have the same reason, mostly */
+  if (!stored && !context->programs.warned)
+    warn(context,
+         "%s and perhaps other programs cannot be stored in %s: %s; it must be "
+         "a folder that exists, with room, where this process may write",
+         key, context->programs.folder, why ? strerror(why) : "write error");
+  context->programs.warned |= !stored;
   free(temporary);
   free(path);
 }
@@ -84,9 +88,11 @@ hbil_status hbil_context_set_program_folder(hbil_context *context,
   memcpy(copy, folder, size);
   const hbil_status status =
       hbil_context_set_program_store(context, load_file, store_file, context);
-  if (status == HBIL_SUCCESS)
+  if (status == HBIL_SUCCESS) {
     context->programs.folder = copy;
-  else
+    context->programs.warned = false;
+  } else {
     free(copy);
+  }
   return status;
 }
