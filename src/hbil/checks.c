@@ -46,14 +46,17 @@ static hbil_status check_memory(const plane_rules *rules, int plane,
 
 /* That the pixels are in the buffer, and can be addressed. */
 static hbil_status check_extent(hbil_context *context, const char *name,
-                                size_t component, size_t offset,
+                                size_t component, const hbil_plane *given,
                                 const plane_shape *shape, size_t bytes) {
-  /* first, because multiples of such pitches may wrap around */
-  if (shape->rows > 1 && shape->row > bytes)
+  const size_t offset = given->offset;
+  /* first, because multiples of such pitches may wrap around; those that the
+   * size gives can't */
+  if (given->row_pitch && shape->rows > 1 && shape->row > bytes)
     return fail(context, HBIL_INVALID_FRAME,
                 "%s.row_pitch: %zu bytes are more than its buffer of %zu", name,
                 shape->row, bytes);
-  if (shape->images > 1 && shape->image > bytes)
+  if ((given->row_pitch || given->plane_pitch) && shape->images > 1 &&
+      shape->image > bytes)
     return fail(context, HBIL_INVALID_FRAME,
                 "%s.plane_pitch: %zu bytes are more than its buffer of %zu",
                 name, shape->image, bytes);
@@ -98,9 +101,10 @@ static hbil_status check_plane(const plane_rules *rules,
   if (given->offset % size || given->row_pitch % size ||
       given->plane_pitch % size)
     return fail(context, HBIL_INVALID_FRAME,
-                "%s: offset, row_pitch and plane_pitch must be multiples of "
-                "%zu bytes",
-                name, size);
+                "%s: offset %zu, row_pitch %zu, plane_pitch %zu; must be "
+                "multiples of %zu bytes",
+                name, given->offset, given->row_pitch, given->plane_pitch,
+                size);
   const plane_shape shape = plane_shape_of(rules->config, plane, given);
   if (shape.row < plane_row_extent(&shape))
     return fail(context, HBIL_INVALID_FRAME,
@@ -112,10 +116,10 @@ static hbil_status check_plane(const plane_rules *rules,
   hbil_status status =
       check_memory(rules, plane, given->buffer, is_image, &memory);
   if (status == HBIL_SUCCESS)
-    status = is_image ? check_image(context, rules->config, staged, plane,
-                                    given->buffer)
-                      : check_extent(context, name, size, given->offset, &shape,
-                                     memory.bytes);
+    status =
+        is_image
+            ? check_image(context, rules->config, staged, plane, given->buffer)
+            : check_extent(context, name, size, given, &shape, memory.bytes);
   region->memory = memory.parent ? memory.parent : given->buffer;
   region->start = memory.origin + given->offset;
   region->shape = shape;

@@ -227,6 +227,9 @@ TEST(parts_have_their_own_access_or_the_parents) {
 TEST(huge_pitches_are_rejected) {
   setup s;
   start(&s);
+  cl_mem tiny = new_memory(CL_MEM_READ_WRITE, 8); /* less than a row */
+  assert_memory_rejected(&s, PLANE_AO, tiny, " bytes do not fit in its buffer");
+  clReleaseMemObject(tiny);
   s.frame.ao.row_pitch = (size_t)1 << 63;
   assert_plane_rejected(&s, PLANE_AO, ".row_pitch");
   s.frame.ao.row_pitch = 0;

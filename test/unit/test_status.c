@@ -346,7 +346,8 @@ static const char *spoil_frame(setup *s, int which) {
         f->albedo.row_pitch = 16);
   SPOIL("motion", f->motion.plane_pitch = 1 << 20);
   SPOIL("depth", f->depth.offset = SIZE_MAX - 3);
-  SPOIL("depth", f->depth.offset = 2);
+  SPOIL("depth: offset 2, row_pitch 0, plane_pitch 0; must be multiples of 4",
+        f->depth.offset = 2);
   SPOIL("normal", f->normal.row_pitch = WIDTH * 12 + 2);
   SPOIL("fx", f->camera.fx = 0.0);
   SPOIL("fy", f->camera.fy = -1.0);
