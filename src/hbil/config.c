@@ -213,17 +213,19 @@ static hbil_status check_format(hbil_context *context,
   const cl_uint size = (cl_uint)component_size(format->component);
   const cl_uint stride = format_stride(config, plane);
   const cl_uint components = plane_components(config, plane);
-  if (format->pixel_pitch % size || stride > 64 ||
-      (stride != 1 && stride < components))
-    return fail(context, HBIL_INVALID_CONFIG,
-                "%s.%s.pixel_pitch: %u bytes; must be %u%s%u .. %u%s, a "
-                "multiple of %u",
-                plane >= PLANE_FIRST_OUTPUT ? "outputs" : "inputs",
-                plane_kinds[plane].name, (unsigned)format->pixel_pitch,
-                (unsigned)size, components > 1 ? " (planar) or " : " or ",
-                (unsigned)(components * size), (unsigned)(64 * size),
-                components > 1 ? " (interleaved)" : "", (unsigned)size);
-  return HBIL_SUCCESS;
+  if (format->pixel_pitch % size == 0 && stride <= 64 &&
+      (stride == 1 || stride >= components))
+    return HBIL_SUCCESS;
+  char planar[32] = "";
+  if (components > 1)
+    snprintf(planar, sizeof planar, "%u (planar) or ", (unsigned)size);
+  return fail(context, HBIL_INVALID_CONFIG,
+              "%s.%s.pixel_pitch: %u bytes; must be %s%u .. %u%s, a multiple "
+              "of %u",
+              plane >= PLANE_FIRST_OUTPUT ? "outputs" : "inputs",
+              plane_kinds[plane].name, (unsigned)format->pixel_pitch, planar,
+              (unsigned)(components * size), (unsigned)(64 * size),
+              components > 1 ? " (interleaved)" : "", (unsigned)size);
 }
 
 static hbil_status check_formats(hbil_context *context,

@@ -147,6 +147,8 @@ static const char *spoil_config(hbil_config *c, int which) {
                    c->inputs.depth.component = HBIL_FLOAT16));
   SPOIL("albedo", c->inputs.albedo.pixel_pitch = 8);
   SPOIL("albedo", c->inputs.albedo.pixel_pitch = 13);
+  SPOIL("depth.pixel_pitch: 6 bytes; must be 4 .. 256, a multiple of 4",
+        c->inputs.depth.pixel_pitch = 6);
   SPOIL("direct", c->inputs.direct.component = (hbil_component)99);
   SPOIL("ao", c->outputs.ao.component = HBIL_UNORM8);
   SPOIL("motion", (c->history.reprojection = HBIL_REPROJECTION_MOTION,
