@@ -172,32 +172,44 @@ static void look_at_lamps(const look *l, hbil_sources *found) {
 
 /* --- what the caller hands in --- */
 
-/* Fills in the defaults of a plane.  Returns false if it can't be read. */
-static bool complete(hbil_host_plane *plane, size_t width, size_t channels,
-                     bool needed) {
-  if (!look_has(plane))
-    return !needed && !plane->channel[1] && !plane->channel[2];
-  for (size_t c = 1; c < channels; ++c)
+/* Fills in the defaults of a plane, and checks that it can be read. */
+static hbil_status complete(hbil_host_plane *plane, const char *name,
+                            size_t width, size_t channels, bool needed) {
+  const bool exists =
+      needed || look_has(plane) || plane->channel[1] || plane->channel[2];
+  for (size_t c = 0; exists && c < channels; ++c)
     if (!plane->channel[c])
-      return false;
+      return fail(NULL, HBIL_INVALID_ARGUMENT,
+                  "hbil_config_suggest: planes.%s.channel[%zu]: null; %s", name,
+                  c, needed ? "this plane is needed" : "the others are there");
   if (plane->pixel_pitch == 0)
     plane->pixel_pitch = sizeof(float);
   /* of a row, up to its last float */
   const size_t least = (width - 1) * plane->pixel_pitch + sizeof(float);
   if (plane->row_pitch == 0)
     plane->row_pitch = width * plane->pixel_pitch;
-  return plane->row_pitch >= least && plane->row_pitch % sizeof(float) == 0 &&
-         plane->pixel_pitch % sizeof(float) == 0;
+  if (exists &&
+      (plane->row_pitch < least || plane->row_pitch % sizeof(float) != 0 ||
+       plane->pixel_pitch % sizeof(float) != 0))
+    return fail(NULL, HBIL_INVALID_ARGUMENT,
+                "hbil_config_suggest: planes.%s: pixel_pitch %zu, row_pitch "
+                "%zu; must be multiples of %zu bytes, and a row has %zu",
+                name, plane->pixel_pitch, plane->row_pitch, sizeof(float),
+                least);
+  return HBIL_SUCCESS;
 }
 
-/* Returns the name of a plane that can't be read, or NULL. */
-static const char *complete_planes(hbil_host_planes *planes, size_t width) {
-  return !complete(&planes->depth, width, 1, true)       ? "depth"
-         : !complete(&planes->normal, width, 3, false)   ? "normal"
-         : !complete(&planes->direct, width, 1, false)   ? "direct"
-         : !complete(&planes->emission, width, 1, false) ? "emission"
-         : !complete(&planes->albedo, width, 1, false)   ? "albedo"
-                                                         : NULL;
+static hbil_status complete_planes(hbil_host_planes *planes, size_t width) {
+  hbil_status status = complete(&planes->depth, "depth", width, 1, true);
+  if (status == HBIL_SUCCESS)
+    status = complete(&planes->normal, "normal", width, 3, false);
+  if (status == HBIL_SUCCESS)
+    status = complete(&planes->direct, "direct", width, 1, false);
+  if (status == HBIL_SUCCESS)
+    status = complete(&planes->emission, "emission", width, 1, false);
+  return status == HBIL_SUCCESS
+             ? complete(&planes->albedo, "albedo", width, 1, false)
+             : status;
 }
 
 static bool positive(double v) {
@@ -227,12 +239,9 @@ static hbil_status check_look(look *l) {
                 "%u, %d; must be 1 .. %d pixels and a hbil_depth_kind",
                 (unsigned)config->width, (unsigned)config->height,
                 (int)config->inputs.depth_kind, HBIL_MAX_SIZE);
-  const char *wrong = complete_planes(&l->planes, config->width);
-  if (wrong)
-    return fail(NULL, HBIL_INVALID_ARGUMENT,
-                "hbil_config_suggest: planes.%s: a channel is missing, or "
-                "row_pitch is not a multiple of 4 bytes or less than a row",
-                wrong);
+  const hbil_status status = complete_planes(&l->planes, config->width);
+  if (status != HBIL_SUCCESS)
+    return status;
   if (!positive(frame->camera.fx) || !positive(frame->camera.fy))
     return fail(NULL, HBIL_INVALID_FRAME,
                 "hbil_config_suggest: camera.fx, camera.fy: %g, %g; must be "
