@@ -157,7 +157,9 @@ HBIL_API hbil_status hbil_context_set_callback(hbil_context *context,
 /* Creating a plan builds up to sixteen OpenCL programs, and creating a radiance
  * cache up to eleven, which takes seconds.  A context holds the last 64 of them
  * that were built, and later plans and caches that need the same ones build
- * none: another size needs none or a few (test_binaries).
+ * none.  For programs, sizes are of four kinds: the width is a multiple of 4
+ * execution.vector_width (64 is, on any device) or isn't, and pixels are fewer
+ * than HBIL_HALF_RESOLUTION_PIXELS or aren't (test_binaries).
  *
  * A store is for other processes.  It has the driver's binaries
  * of programs that were built before, by a key: a file name of at most 47

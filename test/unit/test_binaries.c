@@ -219,8 +219,12 @@ TEST(plans_share_programs) {
 }
 
 /* Any number of kinds of plans, one after the other: no more than 64 programs
- * are held. */
+ * are held.  There are four kinds of sizes: behind the first four, none is new.
+ */
 TEST(few_programs_are_held) {
+  static const cl_uint sizes[][2] = {{64, 8},      {65, 8},    {1280, 720},
+                                     {1281, 720},  {320, 180}, {67, 9},
+                                     {1920, 1080}, {999, 999}};
   hbil_context *context = NULL;
   setup s;
   ao_alone(&s);
@@ -231,6 +235,17 @@ TEST(few_programs_are_held) {
       hbil_context_create(shared_device.context, shared_device.id, &context),
       HBIL_SUCCESS);
   const long begun = shim_references();
+  long known = 0;
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+    hbil_plan *plan = NULL;
+    s.config.width = sizes[i][0], s.config.height = sizes[i][1];
+    assert_int_equal(hbil_plan_create(context, &s.config, &plan), HBIL_SUCCESS);
+    hbil_plan_destroy(plan);
+    const long held_now = shim_references() - begun;
+    assert_true(i < 4 ? held_now > known : held_now == known);
+    known = held_now;
+  }
+  s.config.width = s.config.height = 24;
   for (cl_uint pitch = 4; pitch <= 256; pitch += 4) {
     hbil_plan *plan = NULL;
     s.config.outputs.ao.pixel_pitch = pitch;
