@@ -201,7 +201,8 @@ HBIL_API hbil_status hbil_view_from_frame_sized(hbil_view *view,
  * Views that show nothing of the cache's extent change nothing.  queue,
  * wait_count, wait_list and event are as in hbil_enqueue_frame(), and the
  * planes must stay as they are until the event completes.  A wrong view is
- * HBIL_INVALID_FRAME; then nothing is enqueued. */
+ * HBIL_INVALID_FRAME, whose message says which one of several; then nothing is
+ * enqueued. */
 HBIL_API hbil_status hbil_enqueue_cache_inject(
     hbil_cache *cache, cl_command_queue queue, const hbil_view *views,
     cl_uint count, cl_uint wait_count, const cl_event *wait_list,

@@ -235,9 +235,10 @@ hbil_status spread_light(commands *chain, hbil_cache *cache,
 hbil_status read_light_view(commands *chain, hbil_cache *cache,
                             const hbil_view *view, cl_int number);
 hbil_light_views_args light_views_args(const hbil_cache *cache);
-/* cache_inject.c: the i-th of a caller's views, and its checks. */
+/* cache_inject.c: the i-th of a caller's views, and the checks of all. */
 const hbil_view *view_at(const hbil_view *views, cl_uint i);
-hbil_status check_view(hbil_cache *cache, const hbil_view *views, cl_uint i);
+hbil_status check_views(hbil_cache *cache, const hbil_view *views,
+                        cl_uint count);
 /* cache_inject.c: a view becomes a table of `most` texels or fewer, which
  * begins behind `first` texels of a buffer and whose camera is *of_texels. */
 hbil_status read_texels(commands *chain, hbil_cache *cache,

@@ -41,14 +41,15 @@ const hbil_view *view_at(const hbil_view *views, cl_uint i) {
                              (size_t)i * views->struct_size);
 }
 
-hbil_status check_view(hbil_cache *cache, const hbil_view *views, cl_uint i) {
+static hbil_status check_view(hbil_cache *cache, const hbil_view *views,
+                              cl_uint i) {
   hbil_view view;
   const hbil_view *given = view_at(views, i);
   if (given->struct_size != views->struct_size)
     return fail(cache->context, HBIL_INVALID_FRAME,
-                "views[%u].struct_size: %zu, that of views[0] is %zu; call "
+                "struct_size: %zu, that of views[0] is %zu; call "
                 "hbil_view_init() for each",
-                (unsigned)i, given->struct_size, views->struct_size);
+                given->struct_size, views->struct_size);
   hbil_status status = view_take(cache->context, given, &view);
   if (status != HBIL_SUCCESS)
     return status;
@@ -64,6 +65,17 @@ hbil_status check_view(hbil_cache *cache, const hbil_view *views, cl_uint i) {
     status = check_exposure(cache->context, HBIL_INVALID_FRAME, view.exposure);
   return status == HBIL_SUCCESS ? check_planes(&rules, &frame, INPUT_PLANES)
                                 : status;
+}
+
+hbil_status check_views(hbil_cache *cache, const hbil_view *views,
+                        cl_uint count) {
+  hbil_status status = HBIL_SUCCESS;
+  for (cl_uint i = 0; i < count && status == HBIL_SUCCESS; ++i) {
+    cache->context->checked_view = count > 1 ? i + 1 : 0;
+    status = check_view(cache, views, i);
+  }
+  cache->context->checked_view = 0;
+  return status;
 }
 
 /* Every `stride`th pixel and row fit into a table of so many texels. */
@@ -225,13 +237,11 @@ hbil_status hbil_enqueue_cache_inject(hbil_cache *cache, cl_command_queue queue,
   hbil_view view;
   if (cache && !views && count)
     return fail_null(cache->context, __func__, "views");
-  for (cl_uint i = 0; cache && i < count; ++i) {
-    const hbil_status status = check_view(cache, views, i);
-    if (status != HBIL_SUCCESS)
-      return status;
-  }
-  hbil_status status = begin_cache_commands(__func__, cache, queue, wait_count,
-                                            wait_list, event != NULL, &chain);
+  hbil_status status = cache ? check_views(cache, views, count) : HBIL_SUCCESS;
+  if (status != HBIL_SUCCESS)
+    return status;
+  status = begin_cache_commands(__func__, cache, queue, wait_count, wait_list,
+                                event != NULL, &chain);
   if (status != HBIL_SUCCESS)
     return status;
   for (cl_uint i = next_view(views, count, count);

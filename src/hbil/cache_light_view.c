@@ -48,13 +48,11 @@ hbil_status hbil_enqueue_cache_light_views(hbil_cache *cache,
     return fail(cache->context, HBIL_INVALID_ARGUMENT,
                 "count: %u; a cache has %d light views at most",
                 (unsigned)count, HBIL_MAX_LIGHT_VIEWS);
-  for (cl_uint i = 0; cache && i < count; ++i) {
-    const hbil_status status = check_view(cache, views, i);
-    if (status != HBIL_SUCCESS)
-      return status;
-  }
-  hbil_status status = begin_cache_commands(__func__, cache, queue, wait_count,
-                                            wait_list, event != NULL, &chain);
+  hbil_status status = cache ? check_views(cache, views, count) : HBIL_SUCCESS;
+  if (status != HBIL_SUCCESS)
+    return status;
+  status = begin_cache_commands(__func__, cache, queue, wait_count, wait_list,
+                                event != NULL, &chain);
   if (status != HBIL_SUCCESS)
     return status;
   cache->lights = 0;

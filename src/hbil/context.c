@@ -76,6 +76,19 @@ static char *formatted(const char *format, va_list args) {
   return text;
 }
 
+/* Puts before a message which of several views it is about. */
+static char *of_view(const hbil_context *context, char *message) {
+  static const char format[] = "views[%u]: %s";
+  if (!context->checked_view || !message)
+    return message;
+  const size_t size = strlen(message) + sizeof format + 10;
+  char *whole = malloc(size);
+  if (whole)
+    snprintf(whole, size, format, (unsigned)context->checked_view - 1, message);
+  free(message);
+  return whole;
+}
+
 hbil_status fail(hbil_context *context, hbil_status status, const char *format,
                  ...) {
   va_list args;
@@ -85,7 +98,7 @@ hbil_status fail(hbil_context *context, hbil_status status, const char *format,
     va_end(args);
     return status;
   }
-  char *message = formatted(format, args);
+  char *message = of_view(context, formatted(format, args));
   va_end(args);
   /* Freed after formatting: the old message may be among the arguments. */
   free(context->message);

@@ -22,7 +22,9 @@ struct hbil_context {
   int references; /* of the caller and of each plan */
   cl_context context;
   cl_device_id device;
-  char *message;                  /* NULL: none */
+  char *message; /* NULL: none */
+  /* of several views, the number of the one that is checked, and 1; else 0 */
+  cl_uint checked_view;
   hbil_message_callback callback; /* NULL: none */
   void *user;                     /* the callback's */
   bool is_cpu;                    /* the device is a CPU */

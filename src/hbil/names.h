@@ -41,7 +41,7 @@
 #define check_lent hbil_internal_check_lent
 #define check_planes hbil_internal_check_planes
 #define check_queue hbil_internal_check_queue
-#define check_view hbil_internal_check_view
+#define check_views hbil_internal_check_views
 #define check_wait_list hbil_internal_check_wait_list
 #define cl_error_name hbil_internal_cl_error_name
 #define clear_counts hbil_internal_clear_counts

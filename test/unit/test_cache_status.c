@@ -210,6 +210,8 @@ TEST(bad_views_are_rejected_by_name) {
     room_rejected(room_try(&t, &views[1], 1, &event), HBIL_INVALID_FRAME,
                   field);
     room_rejected(room_try(&t, views, 2, &event), HBIL_INVALID_FRAME, field);
+    assert_memory_equal(hbil_context_message(shared_device.hbil),
+                        "views[1]: ", 10);
     assert_null(event);
   }
   assert_int_equal(shim_events_made(), made);
