@@ -116,7 +116,8 @@ HBIL_API void hbil_cache_config_init_sized(hbil_cache_config *config,
  * The plan gets the cache's method, and what is best beside a cache: a radius
  * of HBIL_CACHE_NEAR_VOXELS voxels, and a near_relative_thickness of 0.02 if
  * relative_thickness is the default, 0.06.  All of it can be changed
- * afterwards.
+ * afterwards.  Where several plans use a cache, name last the one whose frames
+ * become its views: the cache's inputs are those of the last call.
  * With a cache_method and a finite radius, near light has three fifths of
  * sampling.steps_per_side, unless outputs of occlusion share its search (same
  * radius and thickness).

@@ -74,7 +74,9 @@ typedef struct hbil_inputs {
   hbil_plane_format f0;       /* 3 channels, reflectance at normal incidence */
   hbil_plane_format direct;   /* 3 channels; see direct_kind, direct_scale */
   hbil_plane_format emission; /* 3 channels, radiance */
-  hbil_plane_format motion;   /* 2 channels; see motion_scale.  HBIL_SNORM16 */
+  /* 2 channels; see motion_scale.  HBIL_SNORM16.  Read with
+   * HBIL_REPROJECTION_MOTION alone */
+  hbil_plane_format motion;
 
   hbil_projection projection; /* of all cameras; default PERSPECTIVE */
   hbil_depth_kind depth_kind; /* default PLANAR */

@@ -1,11 +1,11 @@
 /*
  * Invariances: a mirrored picture has mirrored light, a picture turned by a
- * quarter has turned light, and the world's axes don't matter (test_stability:
- * nor does its unit of length). Light is linear: it scales with its sources,
- * and the light of two lamps is the sum of each lamp's. The kernels' samples
- * are not symmetric. So mirrored and turned pictures are compared by the exact
- * integral, and by kernels with so many slices that the pattern's noise is
- * small.
+ * quarter has turned light, and the world's axes don't matter (nor does its
+ * unit of length: test_stability, and for a limited radius test_kernels). Light
+ * is linear: it scales with its sources, and the light of two lamps is the sum
+ * of each lamp's. The kernels' samples are not symmetric. So mirrored and
+ * turned pictures are compared by the exact integral, and by kernels with so
+ * many slices that the pattern's noise is small.
  */
 #include "test/support/random.h"
 #include "test/support/stages.h"
