@@ -139,7 +139,9 @@ static hbil_status check_saved(hbil_cache *cache, const unsigned char *bytes,
                 (unsigned)head.voxels, (unsigned)head.levels, head.voxel_size,
                 (unsigned)own.voxels, (unsigned)own.levels, own.voxel_size);
   if (head.hash != hash_of_saved(bytes, size))
-    return fail(cache->context, HBIL_INVALID_ARGUMENT, "bytes: damaged");
+    return fail(cache->context, HBIL_INVALID_ARGUMENT,
+                "bytes: damaged: they are not those that hbil_cache_save() "
+                "wrote");
   for (int i = 0; i < 3; ++i)
     if (!(fabs((double)head.middle[i]) < CACHE_FARTHEST_MIDDLE))
       return fail(cache->context, HBIL_INVALID_ARGUMENT,

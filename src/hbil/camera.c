@@ -2,6 +2,7 @@
 #include "camera.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Element (row, column) of a row-major 4x4. */
@@ -13,22 +14,32 @@ static double at(const double m[16], int row, int column) {
  * rounding of a float matrix (a product of two float rotations is off by less
  * than 1e-6), below any real scale or shear.  Mirrored ones are right, too: all
  * that is done with them is to change between bases. */
-const char *rigid_error(const double m[16]) {
+const char *rigid_error(const double m[16], char text[RIGID_ERROR_SIZE]) {
   const double last[4] = {0, 0, 0, 1};
+  const size_t size = RIGID_ERROR_SIZE;
   for (int i = 0; i < 16; ++i)
-    if (!isfinite(m[i]))
-      return "an element is not finite";
+    if (!isfinite(m[i])) {
+      snprintf(text, size, "row %d, column %d: %g", i / 4, i % 4, m[i]);
+      return text;
+    }
   for (int i = 0; i < 4; ++i)
     if (fabs(at(m, 3, i) - last[i]) > 1e-3)
       return "the last row is not 0 0 0 1 (row-major, for column vectors)";
   for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) {
+    for (int b = 0; b <= a; ++b) {
       double dot = 0;
       for (int r = 0; r < 3; ++r)
         dot += at(m, r, a) * at(m, r, b);
-      if (fabs(dot - (a == b)) > 1e-3)
-        return a == b ? "a column's length is not 1 (scaled)"
-                      : "columns are not at right angles (skewed)";
+      if (a != b && fabs(dot) > 1e-3) {
+        snprintf(text, size,
+                 "columns %d and %d are not at right angles (skewed)", b, a);
+        return text;
+      }
+      if (a == b && fabs(dot - 1) > 1e-3) {
+        snprintf(text, size, "column %d has the length %g, not 1 (scaled)", a,
+                 sqrt(dot));
+        return text;
+      }
     }
   return NULL;
 }
@@ -221,7 +232,8 @@ hbil_status hbil_camera_from_matrices(
                     ? "; without HBIL_MATRIX_COLUMN_MAJOR it fits"
                     : "; with HBIL_MATRIX_COLUMN_MAJOR it fits");
   }
-  error = rigid_error(v);
+  char text[RIGID_ERROR_SIZE];
+  error = rigid_error(v, text);
   if (error)
     return fail(NULL, HBIL_INVALID_ARGUMENT,
                 "%s: view: not a rigid transform: %s", __func__, error);
@@ -256,7 +268,8 @@ hbil_status camera_check(hbil_context *context, const hbil_camera *camera) {
                 "camera.cx, camera.cy: %g, %g; the principal point is within "
                 "%g pixels of the corner",
                 camera->cx, camera->cy, most_length);
-  const char *error = rigid_error(m);
+  char text[RIGID_ERROR_SIZE];
+  const char *error = rigid_error(m, text);
   if (error)
     return fail(context, HBIL_INVALID_FRAME,
                 "camera.world_from_view: not a rigid transform: %s", error);

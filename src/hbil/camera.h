@@ -9,8 +9,10 @@
  * world_from_view is not a rigid transform, mirrored or not. */
 hbil_status camera_check(hbil_context *context, const hbil_camera *camera);
 
-/* What is wrong with a rigid transform, mirrored or not; NULL: nothing. */
-const char *rigid_error(const double m[16]);
+enum { RIGID_ERROR_SIZE = 80 };
+/* What is wrong with a rigid transform, mirrored or not, perhaps in `text`;
+ * NULL: nothing. */
+const char *rigid_error(const double m[16], char text[RIGID_ERROR_SIZE]);
 
 hbil_view_args camera_view(const hbil_camera *camera,
                            const hbil_config *config);

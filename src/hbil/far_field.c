@@ -81,7 +81,8 @@ static hbil_status check_rotation(const float world_from_map[9]) {
   double m[16] = {[15] = 1};
   for (int i = 0; i < 9; ++i)
     m[4 * (i / 3) + i % 3] = (double)world_from_map[i];
-  const char *error = rigid_error(m);
+  char text[RIGID_ERROR_SIZE];
+  const char *error = rigid_error(m, text);
   return error ? fail(NULL, HBIL_INVALID_ARGUMENT,
                       "hbil_environment_from_latlong: world_from_map: not a "
                       "rotation, mirrored or not: %s",

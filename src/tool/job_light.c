@@ -157,17 +157,24 @@ static int check_finite(const job *j, image_error *error) {
 
 /* What was understood of a map.  The first function of the harmonics is the
  * constant 1 / sqrt(4 pi). */
-static void tell_map(const job *j, uint32_t width, uint32_t height) {
+static void tell_map(const job *j, const float *rgb, uint32_t width,
+                     uint32_t height) {
   const float *sum = j->far.environment[0];
   const double mean = 0.28209479177387814;
-  char text[256];
+  char text[384];
+  int is_bright = 0;
+  for (size_t i = 0; i < 3 * (size_t)width * height && !is_bright; i++)
+    is_bright = rgb[i] > 1.0f;
   snprintf(text, sizeof text,
            "a latitude-longitude map of %u x %u pixels, mean radiance %.3g "
            "%.3g %.3g; its top row is +z, its middle column +x and what is "
-           "left of that +y, as in Blender%s",
+           "left of that +y, as in Blender%s%s",
            width, height, mean * (double)sum[0], mean * (double)sum[1],
            mean * (double)sum[2],
-           width == 2 * height ? "" : "; twice as wide as high is usual");
+           width == 2 * height ? "" : "; twice as wide as high is usual",
+           is_bright ? ""
+                     : "; no value is above 1: colours for a display (PNG, "
+                       "JPEG) must be made linear light first");
   report_note(j->settings->environment, "", text);
 }
 
@@ -180,12 +187,12 @@ static int load_map(job *j, image_error *error) {
     return -1;
   const hbil_status status = hbil_environment_from_latlong(
       rgb, width, height, 0, NULL, j->far.environment);
+  if (status == HBIL_SUCCESS && !j->settings->quiet)
+    tell_map(j, rgb, width, height);
   free(rgb);
   if (status != HBIL_SUCCESS)
     return refusal(NULL, path, status, NULL, error);
   j->config.model.far_field = HBIL_FAR_SH;
-  if (!j->settings->quiet)
-    tell_map(j, width, height);
   return 0;
 }
 

@@ -233,10 +233,14 @@ for kind in tif exr hdr; do
     "$passes/frame_0001.exr"
 done
 oiiotool --create 8x8 3 -o "$passes/small.png"
-oiiotool --create 8x4 3 --addc .5,.25,1 -o "$passes/sky.exr"
+oiiotool --create 8x4 3 --addc .5,.25,2 -o "$passes/sky.exr"
 run process --dry-run --environment "$passes/sky.exr" -o "$out" "$one"
-test $status -eq 0 && grep -q 'sky.exr: .* 8 x 4 pixels, mean radiance 0.5 0.25 1; .* top row is +z' "$work/err"
+test $status -eq 0 && grep -q 'sky.exr: .* 8 x 4 pixels, mean radiance 0.5 0.25 2; .* top row is +z' "$work/err" &&
+  ! grep -q 'above 1' "$work/err"
 ok $? "what was understood of an environment is told"
+run process --dry-run --environment "$passes/small.png" -o "$out" "$one"
+grep -q 'small.png: .* no value is above 1: ' "$work/err"
+ok $? "and that it may be for a display"
 rejected "an environment that is cut off" 'cut.tif: truncated' \
   process --quiet --environment "$work/cut.tif" -o "$out" "$one"
 rejected "a pass of another size" '8 x 8 pixels, but .* has 60 x 44' \

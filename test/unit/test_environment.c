@@ -151,10 +151,10 @@ TEST(matrices_must_be_rotations) {
     float matrix[9];
     const char *message;
   } wrong[] = {
-      {{2, 0, 0, 0, 2, 0, 0, 0, 2}, "a column's length is not 1"},
-      {{0, 0, 0, 0, 0, 0, 0, 0, 0}, "a column's length is not 1"},
-      {{1, 0.01f, 0, 0, 1, 0, 0, 0, 1}, "columns are not at right angles"},
-      {{1, 0, 0, 0, NAN, 0, 0, 0, 1}, "an element is not finite"}};
+      {{2, 0, 0, 0, 2, 0, 0, 0, 2}, "column 0 has the length 2, not 1"},
+      {{0, 0, 0, 0, 0, 0, 0, 0, 0}, "column 0 has the length 0, not 1"},
+      {{1, 0.01f, 0, 0, 1, 0, 0, 0, 1}, "columns 0 and 1 are not at right"},
+      {{1, 0, 0, 0, NAN, 0, 0, 0, 1}, "row 1, column 1: nan"}};
   float map[3 * 4 * 2] = {0.0f}, sh[9][3] = {{7.0f}};
   for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
     assert_int_equal(
